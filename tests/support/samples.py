@@ -223,6 +223,18 @@ def each_robot(seeds: Iterable[int]) -> pytest.MarkDecorator:
 Robot = TypeVar("Robot", Design, Geometry)
 
 
+def resized(design: Design, times: float) -> Design:
+    """Return a design with all lengths of its geometry so many times as long."""
+    lengths = {
+        name: times * getattr(design.geometry, name)
+        for name in (
+            "base_radius", "platform_radius", "arm_length", "shaft_length", "crank_length",
+            "coupler_length", "platform_joint_height", "guide_link_length",
+        )
+    }  # fmt: skip
+    return replace(design, geometry=replace(design.geometry, **lengths))
+
+
 def with_knee(robot: Robot, knee: KneeBranch) -> Robot:
     """The same robot with its knees on a branch."""
     if isinstance(robot, Design):

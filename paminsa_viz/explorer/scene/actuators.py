@@ -15,6 +15,7 @@ from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, label, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.kept import kept
 from paminsa_viz.model import lift_constant, lumped_coefficients
@@ -29,7 +30,7 @@ FULL_TURN: Final = np.radians(300.0)
 """Sweep of an arc at full scale [rad]."""
 
 FULL_LENGTH: Final = 0.26
-"""Length of the force arrow at full scale [m]."""
+"""Length of the force arrow at full scale, at Appendix 4's lengths [m]."""
 
 THIN, THICK = 0.0045, 0.0095
 """Radius of an arrow's shaft at zero and at full scale [m]."""
@@ -124,14 +125,17 @@ def torque_arrows(frame: Frame) -> Iterator[Node]:
     The longest arrow is a full scale, see `arrow_scales`; greater values are drawn as
     long, and values that are not finite are not drawn.
     """
-    torque, force = arrow_scales(frame.shown_design)
+    geometry = frame.shown_design.geometry
+    size, (torque, force) = symbol_size(geometry), arrow_scales(frame.shown_design)
     with np.errstate(all="ignore"):
         fractions = frame.torques / [torque, torque, torque, force]
     lift = (*NEXT_TO_LIFT, frame.configuration.actuators[3])
-    places = (*_arc_places(frame.shown_design.geometry), lift)
+    places = (*_arc_places(geometry), lift)
     for index, fraction in enumerate(fractions):
         if np.isfinite(fraction) and abs(fraction) > 1e-4:
-            shape = arc_arrow(fraction) if index < 3 else force_arrow(fraction)
+            # an arc is about its motor, which is as large in a small robot
+            arc, straight = max(size, 1.0), size
+            shape = arc * arc_arrow(fraction) if index < 3 else straight * force_arrow(fraction)
             color = palette.ACTUATOR_COLORS[index]
             yield mesh(
                 f"/efforts/m{index + 1}", shape, FACES, color,
@@ -143,7 +147,8 @@ def torques_meaning(frame: Frame) -> LegendRow:
     """Explain the arrows of the actuators."""
     torque, force = arrow_scales(frame.shown_design)
     turn = f"{math.degrees(FULL_TURN):.0f}° = {number(torque, 3)} N·m"
-    length = f"{1e3 * FULL_LENGTH:.0f} mm = {number(force, 3)} N"
+    full = FULL_LENGTH * symbol_size(frame.shown_design.geometry)
+    length = f"{1e3 * full:.0f} mm = {number(force, 3)} N"
     return palette.ACTUATOR_COLORS, f"static torques, arc {turn}; F₄ {length}"
 
 

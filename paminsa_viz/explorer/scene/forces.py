@@ -1,6 +1,7 @@
 """Forces at the platform: the external load, and the forces that the actuators can hold.
 
-Lengths are drawn to a scale that a label states, such as "100 mm = 50 N".
+Lengths are drawn to a scale that a label states, such as "100 mm = 50 N". The sizes below are
+those at Appendix 4's lengths.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label, lines, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import center_wrench
 from paminsa_viz.model.arrays import Array
@@ -34,9 +36,6 @@ LONGEST: Final = 0.30
 
 FARTHEST: Final = 0.40
 """Largest distance of a polytope's corner from the platform's center [m]."""
-
-FULL_MOMENT: Final = 20.0
-"""Moment that a full arc stands for [N m]; greater ones are drawn as long."""
 
 BAR: Final = 0.1
 """Length that a label states the force of [m]."""
@@ -63,9 +62,18 @@ def round_scale(largest: float, longest: float) -> float:
 
     The largest value is then drawn at most as long as ``longest`` [m].
     """
-    least = max(largest, 1e-9) * BAR / longest
+    return _round_up(max(largest, 1e-9) * BAR / longest)
+
+
+def _round_up(least: float) -> float:
+    """Return 1, 2 or 5 times a power of ten that is no less than a number above 0."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(step * power for step in (1, 2, 5, 10) if step * power >= least * (1 - 1e-9))
+
+
+def full_moment(largest: float) -> float:
+    """Return the moment that a full arc stands for, for the largest one to be drawn [N m]."""
+    return _round_up(max(largest, 1e-9))
 
 
 def scale_text(scale: float) -> str:
@@ -83,18 +91,24 @@ def load_arrow(design: Design, pose: Array, largest: float = 0.0) -> tuple[Array
     px, py, pz = design.load.point
     start = np.array([x + c * px - s * py, y + s * px + c * py, z + pz])
     force = center_wrench(design.load, theta)[:3]
-    scale = round_scale(max(float(np.linalg.norm(force)), largest), LONGEST)
+    scale = round_scale(
+        max(float(np.linalg.norm(force)), largest), LONGEST * symbol_size(design.geometry)
+    )
     return np.stack([start, start + force * BAR / scale])[None], scale
 
 
-def played_load(load: LoadCase, trajectory: Trajectory, t: float) -> tuple[LoadCase, float]:
-    """Return a load with the motion's own at a time [s], and the largest force on the way [N]."""
+def played_load(
+    load: LoadCase, trajectory: Trajectory, t: float
+) -> tuple[LoadCase, tuple[float, float]]:
+    """Return a load with the motion's own at a time [s], and the largest force and moment about z
+    on the way [N, N m]."""
     found = trajectory.load_at(np.array([t]))
     if found is None or trajectory.load is None:
-        return load, 0.0
-    forces = trajectory.load[:, :3] + np.array(load.wrench[:3])
+        return load, (0.0, 0.0)
+    loads = trajectory.load + np.array(load.wrench)
     wrench = dict(zip(WRENCH, (found[0] + load.wrench).tolist(), strict=True))
-    return replace(load, **wrench), float(np.linalg.norm(forces, axis=1).max())
+    largest = np.linalg.norm(loads[:, :3], axis=1).max(), np.abs(loads[:, 5]).max()
+    return replace(load, **wrench), (float(largest[0]), float(largest[1]))
 
 
 def load_arrows(frame: Frame) -> Iterator[Node]:
@@ -103,21 +117,23 @@ def load_arrows(frame: Frame) -> Iterator[Node]:
     While a motion with a load of its own is played, it is the load at that time.
     """
     state, design = frame.state, frame.shown_design
-    pose, largest = frame.configuration.pose, 0.0
+    pose, force, moment = frame.configuration.pose, 0.0, 0.0
     if state.playback.following and frame.analysis is not None:
         trajectory, time = frame.analysis.trajectory, state.playback.time
-        load, largest = played_load(design.load, trajectory, time)
+        load, (force, moment) = played_load(design.load, trajectory, time)
         design = replace(design, load=load)
     load = design.load
     if not load.acts or not np.isfinite(pose).all():
         return
-    arrow, scale = load_arrow(design, pose, largest)
+    arrow, scale = load_arrow(design, pose, force)
+    full = full_moment(max(abs(load.moment_z), moment))
+    size = symbol_size(design.geometry)
     if any(load.wrench[:3]):
-        yield arrows("/load/force", arrow, LOAD_COLOR, (0.005, 0.012, 0.03))
+        yield arrows("/load/force", arrow, LOAD_COLOR, (0.005 * size, 0.012 * size, 0.03 * size))
     if load.moment_z:
-        arc = arc_arrow(load.moment_z / FULL_MOMENT)
+        arc = size * arc_arrow(load.moment_z / full)
         yield mesh("/load/moment", arc, FACES, LOAD_COLOR, place=pose[[0, 1, 3]])
-    yield label("/load/label", load_text(design, scale), arrow[0, 1], "bottom-left")
+    yield label("/load/label", load_text(design, scale, full), arrow[0, 1], "bottom-center")
 
 
 def load_meaning(frame: Frame) -> LegendRow:
@@ -128,15 +144,15 @@ def load_meaning(frame: Frame) -> LegendRow:
     return (LOAD_COLOR,), f"external load {when}, scale at the arrow"
 
 
-def load_text(design: Design, scale: float) -> str:
+def load_text(design: Design, scale: float, full: float) -> str:
     """Return the label of a load: the size of its force, its moment, and their scales."""
     load, parts = design.load, []
     force = float(np.linalg.norm(load.wrench[:3]))
     if force:
         parts.append(f"{number(force, 3)} N ({scale_text(scale)})")
     if load.moment_z:
-        full = f"full arc {number(FULL_MOMENT, 3)} N·m"
-        parts.append(f"moment {number(load.moment_z, 3)} N·m about z ({full})")
+        arc = f"full arc {number(full, 3)} N·m"
+        parts.append(f"moment {number(load.moment_z, 3)} N·m about z ({arc})")
     if not parts:
         parts.append("moment on the bearings alone")
     return ", ".join(parts)
@@ -157,12 +173,13 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     found = _polytope(frame)
     if found is None:
         return
-    center = frame.configuration.pose[[0, 1, 3]] + [0.0, 0.0, ABOVE]
+    size = symbol_size(frame.shown_design.geometry)
+    center = frame.configuration.pose[[0, 1, 3]] + [0.0, 0.0, ABOVE * size]
     sides, limits = polygon_lines(found)
     if not len(sides):
         yield label("/forces/polygon label", "no horizontal force is held here", center)
         return
-    scale = round_scale(float(np.linalg.norm(sides, axis=-1).max()), FARTHEST)
+    scale = round_scale(float(np.linalg.norm(sides, axis=-1).max()), FARTHEST * size)
     flat = np.concatenate([sides, np.zeros((*sides.shape[:2], 1))], axis=-1)
     colors = linear_colors(*map(_color, limits))[:, None].repeat(2, axis=1)
     yield lines("/forces/polygon", center + flat * BAR / scale, colors, 4.0)
@@ -176,7 +193,7 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     circle = center + np.stack([ring[:-1:2], ring[1::2]], axis=1)
     yield lines("/forces/disc", circle, frame.state.theme.ink, 2.0)
     text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale)})"
-    yield label("/forces/polygon label", text, center - [0.0, 0.0, ABOVE + BELOW])
+    yield label("/forces/polygon label", text, center - [0.0, 0.0, (ABOVE + BELOW) * size])
 
 
 def wrench_solid(frame: Frame) -> Iterator[Node]:
@@ -189,7 +206,8 @@ def wrench_solid(frame: Frame) -> Iterator[Node]:
         return
     center = frame.configuration.pose[[0, 1, 3]]
     corners = found.vertices / [1.0, 1.0, found.length]
-    scale = round_scale(float(np.linalg.norm(corners, axis=1).max()), FARTHEST)
+    farthest = FARTHEST * symbol_size(frame.shown_design.geometry)
+    scale = round_scale(float(np.linalg.norm(corners, axis=1).max()), farthest)
     places = center + corners * BAR / scale
     yield mesh(
         "/forces/solid", places, _TRIANGLES, palette.PLATFORM, opacity=0.35, flat_shading=True

@@ -13,6 +13,7 @@ from paminsa_viz.dimensions.attached import payload_center
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -97,7 +98,7 @@ BALL: Final = 0.0225
 ARROW_PER_NEWTON: Final = 0.010
 LONGEST_ARROW: Final = 0.30
 SHORTEST_ARROW: Final = 0.020
-"""Length of a gravity arrow [m/N], and its bounds [m]."""
+"""Length of a gravity arrow [m/N], and its bounds at Appendix 4's lengths [m]."""
 
 
 class PointMasses(NamedTuple):
@@ -153,17 +154,17 @@ def _counterweight_places(configuration: Configuration, weight: Counterweight) -
     return near + weight.beyond / bar_length(configuration.geometry, weight.bar) * (near - far)
 
 
-def newtons_per_bar(points: PointMasses, gravity: float) -> float:
-    """Return the weight that 100 mm of an arrow stand for [N]."""
+def newtons_per_bar(points: PointMasses, gravity: float, size: float = 1.0) -> float:
+    """Return the weight that 100 mm of an arrow stand for [N], for symbols of a size."""
     heaviest = float((points.mass * gravity).max(initial=0.0))
-    return 0.1 * max(1 / ARROW_PER_NEWTON, heaviest / LONGEST_ARROW)
+    return 0.1 * max(1 / ARROW_PER_NEWTON, heaviest / (size * LONGEST_ARROW))
 
 
-def gravity_arrows(points: PointMasses, gravity: float) -> Array:
+def gravity_arrows(points: PointMasses, gravity: float, size: float = 1.0) -> Array:
     """Return arrows from the mass centers downward, (n, 2, 3) [m], their length by the weight."""
     weight = points.mass * gravity
-    length = weight * 0.1 / newtons_per_bar(points, gravity)
-    length = np.where(weight > 0, np.maximum(length, SHORTEST_ARROW), 0.0)
+    length = weight * 0.1 / newtons_per_bar(points, gravity, size)
+    length = np.where(weight > 0, np.maximum(length, size * SHORTEST_ARROW), 0.0)
     tips = points.center.copy()
     tips[:, 2] -= length
     return np.stack([points.center, tips], axis=1)
@@ -184,8 +185,10 @@ def weights(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``gravity``."""
     if frame.drawable:
         points = mass_centers(frame.shown_design, frame.configuration)
-        found = gravity_arrows(points, frame.shown_design.gravity)
-        yield arrows("/masses/gravity", found, frame.state.theme.ink, (0.0028, 0.0075, 0.018))
+        size = symbol_size(frame.shown_design.geometry)
+        found = gravity_arrows(points, frame.shown_design.gravity, size)
+        widths = (0.0028 * size, 0.0075 * size, 0.018 * size)
+        yield arrows("/masses/gravity", found, frame.state.theme.ink, widths)
 
 
 def weights_meaning(frame: Frame) -> LegendRow:
@@ -193,5 +196,6 @@ def weights_meaning(frame: Frame) -> LegendRow:
     design = frame.shown_design
     if not np.isfinite(frame.configuration.pose).all() or not frame.drawable:
         return None
-    scale = newtons_per_bar(mass_centers(design, frame.configuration), design.gravity)
+    points, size = mass_centers(design, frame.configuration), symbol_size(design.geometry)
+    scale = newtons_per_bar(points, design.gravity, size)
     return (palette.INK,), f"weights, 100 mm = {number(scale, 3)} N"

@@ -96,9 +96,9 @@ def curves(
 def arrows(name: str, points: ArrayLike, color: str, sizes: tuple[float, float, float]) -> Node:
     """Return arrows (n, 2, 3) [m]; sizes are the shaft's radius, the head's, its length [m]."""
     shaft, head, length = sizes
-    fixed = {"shaft_radius": shaft, "head_radius": head, "head_length": length}
     live = {"points": np.asarray(points, np.float32), "colors": linear_colors(color)[0]}
-    return Node(name, "arrows", live, fixed)
+    live |= {"shaft_radius": shaft, "head_radius": head, "head_length": length}
+    return Node(name, "arrows", live)
 
 
 def mesh(

@@ -13,6 +13,7 @@ import viser
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.arrays import Pose
@@ -24,7 +25,7 @@ class PoseHandle(ABC):
     name: ClassVar[str]
     """Of its node in the scene, and of the source of its actions."""
     scale: ClassVar[float]
-    """Length of its arrows [m]."""
+    """Length of its arrows at Appendix 4's lengths [m]."""
 
     def __init__(self, context: SceneContext) -> None:
         self._dispatch: Callable[..., None] = context.dispatch
@@ -76,6 +77,9 @@ class PoseHandle(ABC):
         if pose is None or (self._held and dragging):
             return
         x, y, theta, z = pose
+        size = self.scale * symbol_size(frame.state.last_reachable.geometry)
+        if size != self.handle.scale:
+            self.handle.scale = size
         self.handle.position = (x, y, z)
         self.handle.wxyz = (float(np.cos(theta / 2)), 0.0, 0.0, float(np.sin(theta / 2)))
 

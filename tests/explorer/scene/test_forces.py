@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.actuation.polytope import wrench_polytope
 from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.explorer.scene.actuators import arc_arrow
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.forces import (
     BAR,
@@ -55,6 +56,16 @@ def test_arrow_has_the_length_that_its_label_states(scene: Scene) -> None:
     assert np.degrees(np.arctan2(force[1], force[0])) == pytest.approx(np.degrees(POSE[2]))
 
 
+@pytest.mark.parametrize(
+    ("moment", "full"), [(0.03, "0.05"), (4.0, "5"), (20.0, "20"), (730, "1000")]
+)
+def test_full_arc_suits_the_moment_and_is_stated(scene: Scene, moment: float, full: str) -> None:
+    scene.draw(design=replace(APPENDIX_4, load=LoadCase(moment_z=moment)), layers=["load"])
+    assert f"(full arc {full} N·m)" in scene.nodes["/load/label"].text
+    arc = arc_arrow(moment / float(full))
+    np.testing.assert_allclose(scene.nodes["/load/moment"].vertices, arc, atol=1e-6)
+
+
 def test_no_load_draws_nothing(scene: Scene) -> None:
     scene.draw(layers=["load"])
     assert "/load/force" not in scene.nodes
@@ -92,11 +103,12 @@ def test_arrow_of_a_played_motion_is_its_load_at_the_time() -> None:
     swing = np.zeros((motion.size, 6))
     swing[:, 1] = np.linspace(0.0, 120.0, motion.size)
     motion = replace(motion, load=swing)
-    load, largest = played_load(LOADED.load, motion, motion.duration / 2)
+    load, (largest, moment) = played_load(LOADED.load, motion, motion.duration / 2)
     assert load.wrench == pytest.approx((30.0, 60.0, -40.0, 0.0, 0.0, 5.0))
     assert largest == pytest.approx(130.0)
+    assert moment == pytest.approx(5.0)
     assert load_arrow(replace(LOADED, load=load), np.array(POSE), largest)[1] == 50.0
-    assert played_load(LOADED.load, replace(motion, load=None), 0.1) == (LOADED.load, 0.0)
+    assert played_load(LOADED.load, replace(motion, load=None), 0.1) == (LOADED.load, (0.0, 0.0))
 
 
 def test_a_played_motion_moves_the_arrow(server: viser.ViserServer) -> None:

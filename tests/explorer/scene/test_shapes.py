@@ -29,13 +29,8 @@ from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.palette import LIGHT, rgb
 from tests.support.desk import SilentPage
-from tests.support.samples import with_knee
+from tests.support.samples import resized, with_knee
 from tests.support.scene import frame_at, solved
-
-LENGTHS = (
-    "base_radius", "platform_radius", "arm_length", "shaft_length", "crank_length",
-    "coupler_length", "platform_joint_height", "guide_link_length",
-)  # fmt: skip
 
 
 def circle(radius: float, count: int = 128) -> np.ndarray:
@@ -222,9 +217,7 @@ def test_robot_of_another_size_is_fitted_to_the_view_unless_the_camera_was_moved
 
     def fitted(times: float, knee: KneeBranch = KneeBranch.LOWER) -> bool:
         """Open a robot so many times as large; return whether the camera is where it fits."""
-        lengths = {name: times * getattr(APPENDIX_4.geometry, name) for name in LENGTHS}
-        design = replace(APPENDIX_4, geometry=replace(APPENDIX_4.geometry, **lengths))
-        session._state = initial_state(with_knee(design, knee))
+        session._state = initial_state(with_knee(resized(APPENDIX_4, times), knee))
         before = page.camera.position
         view.draw(compute(session.state), True)
         assert page.camera.position == before

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.kept import kept
 from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
 from paminsa_viz.model.arrays import Array, Pose
@@ -94,7 +95,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
     geometry, pose = frame.shown_design.geometry, frame.configuration.pose
     if not np.isfinite(pose).all():
         return
-    found, center = shown_errors(frame), pose[[0, 1, 3]]
+    found, center, size = shown_errors(frame), pose[[0, 1, 3]], symbol_size(geometry)
     reason, text = found.reason(), ""
     if reason:
         text = f"no bound: {reason}"
@@ -102,7 +103,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
         text = "the drives make no error"
     else:
         vertices, faces, edges = prism(found)
-        scale = round_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST)
+        scale = round_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST * size)
         text = error_text(found, scale)
         drawn = BAR / scale
         if len(vertices) > 4:
@@ -113,7 +114,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
         yield lines("/drive_errors/edges", center + edges * drawn, ERROR_COLOR, 2.5)
         rings = center + rms_rings(found, geometry) * drawn
         yield lines("/drive_errors/rms", rings, frame.state.theme.shown(RMS_COLOR), 2.0)
-    yield label("/drive_errors/label", text, center - [0.0, 0.0, BELOW])
+    yield label("/drive_errors/label", text, center - [0.0, 0.0, BELOW * size])
 
 
 def error_text(found: DriveErrors, scale: float) -> str:

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.hues import ForceScale, hue_colors
 from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.scene.nodes import Node, arrows, copies, label
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import Limit
 from paminsa_viz.model.arrays import Array
@@ -27,7 +28,7 @@ from paminsa_viz.palette import INK
 from paminsa_viz.units import number
 
 LONGEST: Final = 0.30
-"""Longest arrow of a joint force [m]."""
+"""Longest arrow of a joint force, at Appendix 4's lengths [m]."""
 
 ABOVE: Final = 0.10
 """Height of the label over the highest joint 2 [m]."""
@@ -53,7 +54,9 @@ def force_arrows(forces: JointForces, configuration: Configuration) -> tuple[Arr
     zero = np.zeros(3)
     radial = np.stack([np.cos(beta), np.sin(beta), zero], axis=-1)
     across = np.stack([-np.sin(beta), np.cos(beta), zero], axis=-1)
-    scale = round_scale(float(forces.magnitude.max()), LONGEST)
+    scale = round_scale(
+        float(forces.magnitude.max()), LONGEST * symbol_size(configuration.geometry)
+    )
     starts, ends = [], []
     for index, joint in enumerate(JOINTS):
         start = configuration.points[PLACES.get(joint.key) or int(joint.key)].copy()
@@ -74,11 +77,12 @@ def joint_arrows(frame: Frame) -> Iterator[Node]:
         return
     forces = forces_at(at)
     found, scale = force_arrows(forces, frame.configuration)
-    sizes = (0.0035, 0.009, 0.022)
+    size = symbol_size(frame.configuration.geometry)
+    sizes = (0.0035 * size, 0.009 * size, 0.022 * size)
     yield arrows("/joint_forces/arrows", found, frame.state.theme.ink, sizes)
-    size = forces.magnitude
-    leg, index = np.unravel_index(int(size.argmax()), size.shape)
-    text = f"largest {number(float(size.max()), 3)} N at joint {JOINTS[index].label}"
+    found = forces.magnitude
+    leg, index = np.unravel_index(int(found.argmax()), found.shape)
+    text = f"largest {number(float(found.max()), 3)} N at joint {JOINTS[index].label}"
     text += f", leg {leg + 1} ({scale_text(scale)})"
     yield _label("joint_forces", text, frame.configuration, 1.0)
 
@@ -122,7 +126,8 @@ def _tube() -> Trimesh:
 
 
 def _label(key: str, text: str, configuration: Configuration, high: float) -> Node:
-    place = (0.0, 0.0, float(configuration.actuators[3]) + high * ABOVE)
+    above = high * ABOVE * symbol_size(configuration.geometry)
+    place = (0.0, 0.0, float(configuration.actuators[3]) + above)
     return label(f"/joint_forces/label_{key}", text, place, "bottom-center")
 
 

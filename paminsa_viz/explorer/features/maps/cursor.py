@@ -17,12 +17,14 @@ from paminsa_viz.explorer.core.planning import planned, pose_at
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.maps.floor import ABOVE, RING, ring
 from paminsa_viz.explorer.features.maps.pictures import HOVER
-from paminsa_viz.explorer.scene.nodes import Nodes, mesh
+from paminsa_viz.explorer.scene.nodes import Node, Nodes, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.palette import WARN
 
 POINT: Final = 0.009
-"""Radius of the point at the platform's height [m]."""
+"""Radius of the point at the platform's height, at Appendix 4's lengths [m]."""
 
 
 def marked_place(state: State, data: Any) -> tuple[float, float, float] | None:
@@ -44,6 +46,16 @@ def marked_place(state: State, data: Any) -> tuple[float, float, float] | None:
     return None if x is None or y is None else (x / 1e3, y / 1e3, state.document.pose[3])
 
 
+@kept(4)
+def _marks(size: float) -> tuple[Node, ...]:
+    """Return the ring and the point for symbols of a size."""
+    ball = icosphere(subdivisions=2, radius=POINT * size)
+    return (
+        mesh("/cursor/ring", *ring(0.5 * RING * size, 0.7 * RING * size, 0.0), WARN),
+        mesh("/cursor/point/ball", ball.vertices, ball.faces, WARN),
+    )
+
+
 class Cursor:
     """The mark in the scene: a ring on the ground and a point at the platform's height."""
 
@@ -52,13 +64,7 @@ class Cursor:
         self._newest: Any = None
         self._frame = scene.add_frame("/cursor", show_axes=False, visible=False)
         self._point = scene.add_frame("/cursor/point", show_axes=False)
-        ball = icosphere(subdivisions=2, radius=POINT)
-        Nodes(scene).show(
-            (
-                mesh("/cursor/ring", *ring(0.5 * RING, 0.7 * RING, 0.0), WARN),
-                mesh("/cursor/point/ball", ball.vertices, ball.faces, WARN),
-            )
-        )
+        self._nodes = Nodes(scene)
         session.bridge.on(HOVER, self._receive)
 
     def _receive(self, data: Any) -> None:
@@ -78,6 +84,7 @@ class Cursor:
         if place is None:
             return
         last = state.last_reachable.geometry
+        self._nodes.show(_marks(symbol_size(last)))
         ground = layout(last).ground + ABOVE["ring"]
         self._frame.position = (place[0], place[1], ground)
         height = place[2] + last.platform_joint_height - ground

@@ -20,8 +20,10 @@ from paminsa_viz.explorer.features.motion.points import click_map
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.curves import thinned
 from paminsa_viz.explorer.scene.legend import color_bar
-from paminsa_viz.explorer.scene.nodes import Nodes, curves, mesh
+from paminsa_viz.explorer.scene.nodes import Node, Nodes, curves, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.kept import kept
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.map_values import MapData
@@ -43,7 +45,7 @@ DASH: Final = 0.022
 OUTLINE: Final = 120
 """Most points of the workspace's boundary on the floor."""
 RING: Final = 0.032
-"""Radius of the mark below the platform [m]."""
+"""Radius of the mark below the platform, at Appendix 4's lengths [m]."""
 THICKNESS: Final = 2e-5
 """Thickness of its rings [m]."""
 
@@ -53,6 +55,18 @@ MARK: Final = (
     ("mark", INK, (0.64 * RING, 0.86 * RING, 0.0006)),
 )
 """The mark below the platform: name, color; inner and outer radius and height of its rings [m]."""
+
+
+@kept(4)
+def _mark(size: float) -> tuple[Node, ...]:
+    """Return the mark below the platform, for symbols of a size."""
+    return tuple(
+        mesh(
+            f"/floor/pose/{name}", *ring(size * inner, size * outer, height), color,
+            flat_shading=True,
+        )
+        for name, color, (inner, outer, height) in MARK
+    )  # fmt: skip
 
 
 class FloorMap:
@@ -74,11 +88,7 @@ class FloorMap:
         self._legend = context.legend
         self._ring = scene.add_frame("/floor/pose", show_axes=False, visible=False)
         # Solid, not pictures: what is clear in a picture still hides what lies below it.
-        mark = Nodes(scene)
-        mark.show(
-            mesh(f"/floor/pose/{name}", *ring(*sizes), color, flat_shading=True)
-            for name, color, sizes in MARK
-        )
+        self._mark = Nodes(scene)
         self._curves = Nodes(scene)
         self._key: tuple[Any, ...] = ()
         self._curves_key: tuple[Any, ...] = ()
@@ -90,6 +100,7 @@ class FloorMap:
         self._stand(layout(last_reachable.geometry).ground)
         x, y = last_reachable.pose[:2]
         self._ring.position = (x, y, self._height + ABOVE["ring"])
+        self._mark.show(_mark(symbol_size(last_reachable.geometry)))
         if not dragging or time.monotonic() >= self._due:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
             if "floor_map" in layers:

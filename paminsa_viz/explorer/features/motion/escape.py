@@ -10,6 +10,7 @@ import numpy as np
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import Geometry, inverse_kinematics
 from paminsa_viz.model.arrays import Array
@@ -26,7 +27,8 @@ BELOW: Final = 0.12
 def twist_arrows(geometry: Geometry, found: TimeOptimalPlan) -> Array:
     """Return the motions of the platform's center and joints 5 along t_s, (4 k, 2, 3) [m].
 
-    The crossings are after each other, the longest arrow of each is `LONGEST`.
+    The crossings are after each other; the longest arrow of each is `LONGEST`, in a robot of
+    Appendix 4's lengths.
     """
     found_arrows = [np.zeros((0, 2, 3))]
     for item in found.crossings:
@@ -38,7 +40,7 @@ def twist_arrows(geometry: Geometry, found: TimeOptimalPlan) -> Array:
         moves = np.array([twist[0], twist[1], twist[3]]) + twist[2] * np.stack(
             [-arms[:, 1], arms[:, 0], np.zeros(4)], axis=1
         )
-        moves *= LONGEST / np.linalg.norm(moves, axis=1).max()
+        moves *= LONGEST * symbol_size(geometry) / np.linalg.norm(moves, axis=1).max()
         found_arrows.append(np.stack([starts, starts + moves], axis=1))
     return np.concatenate(found_arrows)
 
@@ -50,12 +52,13 @@ def escape_arrows(frame: Frame) -> Iterator[Node]:
     found = motions.planned(state).crossing if crosses else None
     if found is None or not found.crossings:
         return
-    twists = twist_arrows(state.document.design.geometry, found)
-    yield arrows("/escape/arrows", twists, BAD, (0.006, 0.014, 0.035))
+    geometry = state.document.design.geometry
+    twists, size = twist_arrows(geometry, found), symbol_size(geometry)
+    yield arrows("/escape/arrows", twists, BAD, (0.006 * size, 0.014 * size, 0.035 * size))
     for index, item in enumerate(found.crossings):
         x, y, _, z = item.crossing.pose
         text = f"Escape twist at the {item.crossing.locus.label}"
-        yield label(f"/escape/label{index}", text, (x, y, z - BELOW))
+        yield label(f"/escape/label{index}", text, (x, y, z - BELOW * size))
 
 
 def escape_meaning(frame: Frame) -> LegendRow:

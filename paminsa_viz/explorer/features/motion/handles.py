@@ -11,6 +11,7 @@ from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.nodes import Node, Nodes, label
 from paminsa_viz.explorer.scene.pose_handles import PoseHandle
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.palette import INK, REFERENCE, rgb
@@ -43,7 +44,7 @@ class MotionPoints:
     """
 
     RADIUS = 0.011
-    """Of a ball [m]."""
+    """Of a ball at Appendix 4's lengths [m]."""
 
     def __init__(self, context: SceneContext) -> None:
         self._dispatch = context.dispatch
@@ -54,21 +55,24 @@ class MotionPoints:
         """Follow the motion's description."""
         state = frame.state
         self._handle.draw(frame, dragging)
+        size = self.RADIUS * symbol_size(state.document.design.geometry)
         found = points.listed(state) if "points" in state.layers else ()
-        self._nodes.show(self._marks(found, points.selected(state)))
+        self._nodes.show(self._marks(found, points.selected(state), size))
 
-    def _marks(self, found: Sequence[points.Point], chosen: int | None) -> Iterator[Node]:
+    def _marks(
+        self, found: Sequence[points.Point], chosen: int | None, radius: float
+    ) -> Iterator[Node]:
         names: dict[tuple[float, ...], list[str]] = {}
         for index, point in enumerate(found):
             x, y, _, z = point.pose
             names.setdefault((round(x, 3), round(y, 3), round(z, 3)), []).append(point.name)
             color = rgb(REFERENCE if index == chosen else INK)
-            live = {"position": (x, y, z), "color": color}
-            fixed = {"radius": self.RADIUS, "subdivisions": 2, "cast_shadow": False}
+            live = {"position": (x, y, z), "color": color, "radius": radius}
+            fixed = {"subdivisions": 2, "cast_shadow": False}
             click = partial(self._select, index)
             yield Node(f"/points/{index}", "icosphere", live, fixed, click=click)
         for index, ((x, y, z), same) in enumerate(names.items()):  # poses may differ in theta only
-            place = (x, y, z + 2 * self.RADIUS)
+            place = (x, y, z + 2 * radius)
             yield label(f"/point_names/{index}", ", ".join(same), place, "bottom-center", 1.0)
 
     async def _select(self, index: int, _event: Any) -> None:

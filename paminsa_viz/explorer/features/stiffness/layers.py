@@ -11,6 +11,7 @@ from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes.vibrating import vibrating_glb
@@ -59,26 +60,29 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
     found = None if outcome is None else outcome.result
     if outcome is None or found is None or mode >= len(found.frequencies) or not found.shapes:
         return ()
-    text = mode_text(mode, found.frequencies[mode])
-    return _animated(outcome.job.pose, found.shapes, mode, text)
+    size = symbol_size(outcome.job.design.geometry)
+    text = mode_text(mode, found.frequencies[mode], LONGEST_SWING * size)
+    return _animated(outcome.job.pose, found.shapes, mode, text, size)
 
 
 @kept(2)
-def _animated(pose: Pose, shapes: CenterLines, mode: int, text: str) -> tuple[Node, ...]:
-    moves = shapes.moves[..., mode] * LONGEST_SWING / shapes.largest[mode]
+def _animated(
+    pose: Pose, shapes: CenterLines, mode: int, text: str, size: float
+) -> tuple[Node, ...]:
+    moves = shapes.moves[..., mode] * LONGEST_SWING * size / shapes.largest[mode]
     data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)
     x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
-        label(f"{MODE_NODE}_label", text, (x, y, z - BELOW["mode"])),
+        label(f"{MODE_NODE}_label", text, (x, y, z - BELOW["mode"] * size)),
     )
 
 
-def mode_text(mode: int, frequency: float) -> str:
+def mode_text(mode: int, frequency: float, swing: float) -> str:
     """Return the label of an animated mode: its frequency and its scale."""
     return (
         f"mode {mode + 1}: {number(frequency, 3)} Hz, largest swing drawn as "
-        f"{1e3 * LONGEST_SWING:.0f} mm, slowed down"
+        f"{1e3 * swing:.0f} mm, slowed down"
     )
 
 
@@ -88,10 +92,11 @@ def deflection(frame: Frame) -> Iterator[Node]:
     found = None if outcome is None or outcome.result is None else outcome.result.deflected
     if outcome is None or found is None:
         return
-    scale = BAR / round_scale(float(found.largest[0]), LARGEST)
+    size = symbol_size(outcome.job.design.geometry)
+    scale = BAR / round_scale(float(found.largest[0]), LARGEST * size)
     moved = found.points + scale * found.moves[..., 0]
     yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
-    place = found.points[found.names.index("platform"), 0] - [0, 0, BELOW["deflection"]]
+    place = found.points[found.names.index("platform"), 0] - [0, 0, BELOW["deflection"] * size]
     text = f"deflection × {number(scale, 3)}: {CASES[outcome.job.case][0]}"
     yield label("/elastic/deflected_label", text, place)
 
@@ -102,13 +107,15 @@ def compliance(frame: Frame) -> Iterator[Node]:
     if outcome is None or outcome.result is None:
         return
     found = outcome.result.stiffness.compliance
-    scale = BAR / round_scale(float(np.linalg.norm(found[:3, :3], 2)), LONGEST_AXIS)
+    size = symbol_size(outcome.job.design.geometry)
+    longest = float(np.linalg.norm(found[:3, :3], 2))
+    scale = BAR / round_scale(longest, LONGEST_AXIS * size)
     shape = scale * ball(1.0).vertices @ found[:3, :3].T
     x, y, _, z = outcome.job.pose
     yield mesh(
         "/elastic/ellipsoid", shape, ball(1.0).faces, ELLIPSOID_COLOR, place=(x, y, z), opacity=0.45
     )
-    place = (x, y, z - BELOW["compliance"])
+    place = (x, y, z - BELOW["compliance"] * size)
     yield label("/elastic/ellipsoid_label", ellipsoid_text(scale), place)
 
 
