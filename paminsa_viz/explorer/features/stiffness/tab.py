@@ -211,7 +211,7 @@ def _found_html(job: ElasticJob, result: ElasticResult, mode: int) -> str:
     deflected = deflection_table(CASES[job.case][0], job.wrench, result.twist)
     frequencies, moved = modes_table(result.frequencies, result.alone), result.compensation
     return render(
-        "stiffness/result.j2", frequencies=frequencies.turned(1, 2), missing=NO_FREQUENCIES,
+        "stiffness/result.j2", frequencies=frequencies, missing=NO_FREQUENCIES,
         directions=replace(directions, rows=tuple(directions.rows[i] for i in (0, 1, 2, 5, 7))),
         softest=directions.rows[6],
         along=softest_text(found), deflected=deflected.turned(2).columns(0, 1, 2, 3, 6, 7),

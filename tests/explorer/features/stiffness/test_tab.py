@@ -52,6 +52,7 @@ def test_readouts_are_the_models() -> None:
     assert f"a tilt of {number(1e3 * np.hypot(*twist[3:5]), 3)} mrad" in text
     first = float(first_frequencies(design, POSE))
     assert value(frequencies[1][1]) == pytest.approx(first, rel=1e-3)
+    assert [len(row) for row in frequencies] == [3] * 7  # six beside each other are cut off
     for key in ("stiffness_x", "stiffness_theta", "stiffness_tilt", "stiffness_horizontal"):
         assert f'data-paminsa-value="{key}"' in text
     assert text.count('data-paminsa-value="frequency_1"') == 1
