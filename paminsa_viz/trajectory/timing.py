@@ -35,7 +35,7 @@ from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
 from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
 from paminsa_viz.trajectory.plan import Blend, Plan, UnitCurve
 from paminsa_viz.trajectory.planners import PLACE
-from paminsa_viz.trajectory.time_laws import fit_law
+from paminsa_viz.trajectory.time_laws import TimeLaw, fit_law
 
 # ------------------------------------------------------------------ the largest value along a curve
 
@@ -117,6 +117,21 @@ def _best(values: Array, u: Array) -> Supremum:
 _ROUNDING = 1e-12  # share by which a duration is longer than required, against rounding
 _FADED = 8
 """Times that friction is worked out for the duration it leaves, the first without any."""
+
+_RATES_DECIDE = 1e-9
+"""Share by which a law may need more time than its rates do, and be the shortest nonetheless."""
+
+_GENTLEST = 1e-3
+"""Least acceleration of the ramps that are looked at, over that of the steepest."""
+
+_SHORTEST_RAMP = 0.02
+"""Share of the time of ramps below which none are looked at that limits of rates do not ask for."""
+
+_RAMPS = 13
+"""How many of them are looked at first."""
+
+_SAME_RAMP = 1e-4
+"""Share to which the best ramps are found."""
 
 _INSTANT = 1e-300
 """Least duration that a speed is divided by."""
@@ -207,8 +222,9 @@ def shortest_stretch(
         plan: The motion; its duration does not matter.
         limits: The limits.
         design: The robot. Needed for torque limits; where it is given, the path is checked.
-        reshape: Whether a straight trapezoid or S-curve may change its ramps to use the limits of
-            speed, acceleration and jerk fully. Otherwise it is only stretched.
+        reshape: Whether a straight trapezoid or S-curve may change its ramps: to use the limits of
+            speed, acceleration and jerk fully, or less of the acceleration where an actuator is too
+            weak for it. Otherwise it is only stretched.
         drives: Whether to keep the torque-speed envelopes and top speeds of the design's drives and
             the peak torques of their gears, if it has any; their losses by the direction of the
             power.
@@ -225,14 +241,17 @@ def shortest_stretch(
         raise InvalidInput("design", "limits of torque and force need a design")
     if design is not None:
         check_path(design.geometry, plan.lasting(1.0).sample(), clearance).require()
-    if reshape:
-        plan = _reshaped(plan, limits)
-    curve = plan.curve
-    rates = limits.rates
-    if np.isfinite(rates[2]).any() and not curve.bounded_jerk:
+    if np.isfinite(limits.rates[2]).any() and not plan.curve.bounded_jerk:
         problem = "the acceleration of this motion jumps, so its jerk has no bound"
         raise InvalidInput("limits", problem)
-    needed = supremum(needed_durations(curve, limits, design, drives, misprints), curve.breaks)
+
+    def needed_by(one: Plan) -> Callable[[Array], Array]:
+        return needed_durations(one.curve, limits, design, drives, misprints)
+
+    if reshape:
+        plan = _reshaped(plan, limits, needed_by)
+    curve = plan.curve
+    needed = supremum(needed_by(plan), curve.breaks)
     if not np.isfinite(needed.value) and design is not None:
         at = np.array([needed.u])
         held = torque_parts(curve, design, misprints, at)[0][0]
@@ -284,19 +303,59 @@ def needed_durations(
     return lambda u: np.concatenate([part(u) for part in parts], axis=1)
 
 
-def _reshaped(plan: Plan, limits: MotionLimits) -> Plan:
-    """Return a straight move with the law that uses the limits of its rates fully."""
+def _reshaped(
+    plan: Plan, limits: MotionLimits, needed_by: Callable[[Plan], Callable[[Array], Array]]
+) -> Plan:
+    """Return a straight move with the ramps that make it shortest.
+
+    They are those that use the limits of its rates fully. Where an actuator is too weak for them,
+    stretching the motion would leave it at a crawl between two jerks: gentler ramps, and the
+    motion's own, are then looked at as well.
+    """
     curve = plan.curve
     if not (isinstance(curve, Blend) and len(curve.terms) == 1):
         return plan
     term = curve.terms[0]
     lengths = np.array([np.linalg.norm(term.shift[PLACE]), abs(term.shift[2])])
     with np.errstate(divide="ignore"):
-        fitted = fit_law(term.law, *(limits.rates / lengths).min(axis=1))
+        speed, acceleration, jerk = (limits.rates / lengths).min(axis=1).tolist()
+    fitted = fit_law(term.law, speed, acceleration, jerk)
     if fitted is None:
         return plan
-    law, _ = fitted
-    return replace(plan, curve=replace(curve, terms=(replace(term, law=law),)))
+
+    def shaped(law: TimeLaw) -> Plan:
+        return replace(plan, curve=replace(curve, terms=(replace(term, law=law),)))
+
+    def needed(one: Plan) -> float:
+        return float(needed_by(one)(nodes(one.curve.breaks)).max())
+
+    law, alone = fitted
+    steepest = shaped(law)
+    least = needed(steepest)
+    if least <= alone * (1.0 + _RATES_DECIDE) or not np.isfinite(least):
+        return steepest
+    if np.isfinite(jerk):  # from the acceleration that is reached to none, at the full jerk
+        full = float(np.abs(law(np.array([law.ramp / 2.0]), 2))[0]) / alone**2
+        ends = _GENTLEST * full, full
+    else:  # a stretched law may have the shape of any ramps
+        ends = min(law.ramp, _SHORTEST_RAMP), 0.5
+
+    def gentler(logarithm: float) -> Plan:
+        value = min(float(np.exp(logarithm)), ends[1])
+        if np.isfinite(jerk):
+            return shaped((fit_law(term.law, speed, value, jerk) or fitted)[0])
+        return shaped(replace(law, ramp=value))
+
+    grid = np.linspace(np.log(ends[0]), np.log(ends[1]), _RAMPS)
+    best = int(np.argmin([needed(gentler(logarithm)) for logarithm in grid]))
+    from scipy.optimize import minimize_scalar  # slow to load
+
+    near = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+    found = minimize_scalar(
+        lambda logarithm: needed(gentler(logarithm)),
+        bounds=near, method="bounded", options={"xatol": _SAME_RAMP},
+    )  # fmt: skip
+    return min((steepest, gentler(float(found.x)), gentler(grid[best]), plan), key=needed)
 
 
 def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:

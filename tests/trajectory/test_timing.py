@@ -470,3 +470,26 @@ def test_durations_of_torques_are_those_of_the_smallest_positive_root() -> None:
         real = roots[(np.abs(roots.imag) < 1e-12) & (roots.real > 0)].real
         expected = 1.0 / real.min() if real.size else 0.0
         assert duration == pytest.approx(expected if at > 0 else np.inf, rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("profile", [Profile.TRAPEZOID, Profile.S_CURVE])
+@pytest.mark.parametrize("jerk", [None, 2000.0])
+def test_ramps_are_gentler_where_a_torque_decides(profile: Profile, jerk: float | None) -> None:
+    """Against stretched laws of all ramps: no shape is shorter, and none much better is missed."""
+    if profile is Profile.TRAPEZOID and jerk is not None:
+        return
+    limits = MotionLimits(speed=0.3, acceleration=100.0, jerk=jerk, torque=6.0)
+    found = shortest_stretch(point_to_point(A, B, law=TimeLaw(profile)), limits, APPENDIX_4)
+    assert_at_its_limit(found, limits, APPENDIX_4)
+    blends = (0.4,) if jerk is None else (0.01, 0.05, 0.2, 0.5)
+    others = [
+        shortest_stretch(
+            point_to_point(A, B, law=TimeLaw(profile, ramp, blend)), limits, APPENDIX_4,
+            reshape=False,
+        ).plan.duration
+        for ramp in np.geomspace(0.02, 0.5, 20)
+        for blend in blends
+    ]  # fmt: skip
+    assert found.plan.duration <= min(others) * (1 + 1e-6)
+    assert found.plan.duration >= 0.95 * min(others)
