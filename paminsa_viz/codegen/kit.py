@@ -119,7 +119,8 @@ SINGLE_BOUNDS = {
     "singularities": 1e-5,
 }
 """Errors of the kit in single precision, over the larger of 1 and the value in SI units, at poses
-with condition numbers up to `WORST_CONDITION`; names are those of the test program."""
+with condition numbers up to `WORST_CONDITION`, of robots like the prototype: other proportions may
+have larger ones. Names are those of the test program."""
 
 TOLERANCE = {False: 1e-9, True: max(SINGLE_BOUNDS.values())}
 """What the test program allows, in double and in single precision."""
@@ -140,8 +141,8 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     bounds = ", ".join(f"{what} {bound:g}" for what, bound in SINGLE_BOUNDS.items())
     note = (
         "* This kit is in single precision. At condition numbers up to "
-        f"{WORST_CONDITION:g} errors over\n  the larger of 1 and the value are at most: "
-        f"{bounds}.\n"
+        f"{WORST_CONDITION:g} errors over\n  the larger of 1 and the value are, for robots like "
+        f"the prototype, at most: {bounds}.\n  `./test` prints those of this design.\n"
     )
     module = "| `paminsakins.comp` | the kinematics of LinuxCNC for this design |\n"
     readme = template(

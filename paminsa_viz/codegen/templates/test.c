@@ -27,8 +27,9 @@ static void compare(Check *check, const double *got, const double *wanted, int c
     for (int i = 0; i < count; i++) {
         const double size = fabs(wanted[i]) > 1.0 ? fabs(wanted[i]) : 1.0;
         double error = fabs(got[i] - wanted[i]) / size;
-        if (isnan(got[i]) && isnan(wanted[i]))
-            error = 0.0;
+        if ((isnan(got[i]) && isnan(wanted[i])) ||
+            (isinf(got[i]) && isinf(wanted[i]) && (got[i] > 0.0) == (wanted[i] > 0.0)))
+            error = 0.0; /* a distance to what does not exist is infinite */
         else if (isnan(error))
             error = INFINITY;
         if (error > check->worst)
