@@ -162,8 +162,9 @@ class PlatformStiffness(OfLimits):
         pose: (..., 4) [m, m, rad, m].
         status: (...) values of `Limit`: why there is no number.
         leg: (...) index of the leg that is the reason, -1 for none.
-        matrix: (..., 6, 6) K: wrench (F_x, F_y, F_z, M_x, M_y, M_z) for a twist of P.
-        compliance: (..., 6, 6) its inverse.
+        matrix: (..., 6, 6) K: wrench (F_x, F_y, F_z, M_x, M_y, M_z) for a twist of P, in base
+            axes [N/m, N, N m/rad].
+        compliance: (..., 6, 6) its inverse [m/N, 1/N, rad/(N m)].
     """
 
     design: Design
@@ -304,7 +305,17 @@ def _softest(block: Array) -> Array:
 def load_wrench(design: Design, pose: ArrayLike) -> Array:
     """Return the wrench of a design's payload and load at P, (..., 6) [N, N m], in base axes.
 
-    The payload's center is at P.
+    The payload's weight acts along the vertical through P, however high its center is.
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m]; of it theta alone matters, for a load that turns.
+
+    Returns:
+        (F_x, F_y, F_z, M_x, M_y, M_z).
+
+    Raises:
+        InvalidInput: If the pose has another shape or is not real.
     """
     pose = as_vectors(pose, "pose")
     wrench = center_wrench(design.load, pose[..., 2])

@@ -129,7 +129,7 @@ def world_frames(
 
 
 def start_pose(design: Design) -> Array:
-    """Return the pose (4,) in which an exported model starts: centered, on the natural side.
+    """Return the pose (4,) in which an exported model starts: centered, on home's side.
 
     Halfway between the least and the greatest distance that its pantographs allow.
 

@@ -221,9 +221,14 @@ def torque_breakdown(
 
 @np.errstate(all="ignore")
 def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> Array:
-    """Return what the actuators need against friction at their speeds (..., 4) [rad/s, m/s].
+    """Return what the actuators need against friction at their speeds, (..., 4) [N m, N].
 
-    `Design.actuator_friction` is that of joints and drives together.
+    Args:
+        friction: Of the joints; `Design.actuator_friction` is that of joints and drives together.
+        speed: (..., 4) of M1..M4 [rad/s, rad/s, rad/s, m/s].
+
+    Raises:
+        InvalidInput: If the friction is neither, or the speed has another shape or is not real.
     """
     speed = as_vectors(speed, "speed")
     require_kind(friction, "friction", Friction, ActuatorFriction)

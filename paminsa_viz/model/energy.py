@@ -20,6 +20,16 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
     As in the paper the joints 8 and the guide links, which never change height, do not count, and
     the platform's mass center is at height z, a payload's at z + h_load. A load is no part of it:
     one that turns with the platform has no potential.
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m].
+
+    Returns:
+        NaN where the bars cannot close. Limits of reach are not looked at otherwise.
+
+    Raises:
+        InvalidInput: If the pose has another shape or is not real.
     """
     configuration = inverse_kinematics(design.geometry, pose)
     c = lumped_coefficients(design)
@@ -37,7 +47,20 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
 def kinetic_energy(
     design: Design, pose: ArrayLike, velocity: ArrayLike, misprints: Misprint = Misprint.NONE
 ) -> Array:
-    """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3, and the drives' share."""
+    """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3, and the drives' share.
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
+        misprints: Formulas to take as published; none by default.
+
+    Returns:
+        NaN where the bars cannot close. Limits of reach are not looked at otherwise.
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
+    """
     shape, (p, v) = together(pose=pose, velocity=velocity)
     e = term_factors(design, misprints)
     g, q = leg_states(design.geometry, p, v, np.zeros_like(p))
@@ -77,6 +100,18 @@ def kinetic_energy(
 def actuator_power(
     design: Design, pose: ArrayLike, velocity: ArrayLike, torque: ArrayLike
 ) -> Array:
-    """Return the power of each actuator, Q_j q_j', (..., 4) [W]."""
+    """Return the power of each actuator, Q_j q_j', (..., 4) [W].
+
+    It is positive where the actuator drives.
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: Of the platform, (..., 4) [m/s, m/s, rad/s, m/s].
+        torque: Q, (..., 4) [N m, N m, N m, N].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
+    """
     p, v, q = aligned(pose=pose, velocity=velocity, torque=torque)
     return q * actuator_velocity(design, p, v)

@@ -31,6 +31,9 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
         geometry: Lengths of the mechanism.
         pose: (..., 4) [m, m, rad, m].
         actuators: (..., 4) [rad, rad, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     p, q = aligned(pose=pose, actuators=actuators)
     d = leg_vectors(geometry, p)
@@ -43,7 +46,11 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
 @of_geometry
 @np.errstate(all="ignore")
 def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
-    """Return A_ij, the derivatives of s_i by (x, y, theta, z, theta_1..3, Z), (..., 4, 8)."""
+    """Return A_ij, the derivatives of s_i by (x, y, theta, z, theta_1..3, Z), (..., 4, 8).
+
+    These are the factors of the Lagrange multipliers in Eq. 15: [1] in the columns of lengths, [m]
+    in those of angles. Arguments and what is raised as in `closure`.
+    """
     p, q = aligned(pose=pose, actuators=actuators)
     d = leg_vectors(geometry, p)
     beta = q[..., :3] + HEADINGS
@@ -71,7 +78,22 @@ def _matrix(rows: tuple[Array, ...], lift: float, shape: tuple[int, ...]) -> Arr
 @of_geometry
 @np.errstate(all="ignore")
 def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
-    """Return G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'), (..., 4, 4)."""
+    """Return G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'), (..., 4, 4).
+
+    Velocities are those of the platform's center in the base frame.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+
+    Returns:
+        Rows of M1..M3 [1/m, 1/m, 1] for x, y and theta, and 0 for z; the last row is
+        (0, 0, 0, 1/k). NaN or not finite where a joint 5 is on its leg axis. Limits of reach are
+        not looked at.
+
+    Raises:
+        InvalidInput: If the pose has another shape or is not real.
+    """
     x, y, theta, z = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
     rows = speed_rows(mechanism(geometry), x, y, np.cos(theta), np.sin(theta), z)
     return _matrix(rows, 1 / geometry.magnification, x.shape)
@@ -84,7 +106,9 @@ def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
 
     Singular is what rounding cannot tell from it, see `singularity`.
 
-    J is the general Jacobian of Eq. 3: (x', y', theta', z') = J (theta_1', .., Z').
+    J is the general Jacobian of Eq. 3: (x', y', theta', z') = J (theta_1', .., Z'). Its columns of
+    M1..M3 are [m, m, 1] for x, y and theta, and 0 for z; the last one is (0, 0, 0, k). Arguments
+    and what is raised as in `inverse_jacobian`.
     """
     x, y, theta, z = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
     rows = wrench_torques(mechanism(geometry), x, y, np.cos(theta), np.sin(theta), z)
@@ -97,6 +121,17 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
     """Return dG/dt along a platform velocity, (..., 4, 4).
 
     The actuator acceleration is then G a + (dG/dt) v, for platform velocity v, acceleration a.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
+
+    Returns:
+        In the units of `inverse_jacobian` per second.
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     p, v = aligned(pose=pose, velocity=velocity)
     x, y, theta, _ = np.moveaxis(p, -1, 0)
@@ -109,7 +144,10 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
 @of_geometry
 @np.errstate(all="ignore")
 def actuator_velocity(geometry: Geometry, pose: ArrayLike, velocity: ArrayLike) -> Array:
-    """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s]."""
+    """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s].
+
+    Arguments and what is raised as in `inverse_jacobian_rate`.
+    """
     p, v = aligned(pose=pose, velocity=velocity)
     return np.einsum("...ij,...j->...i", inverse_jacobian(geometry, p), v)
 
@@ -119,7 +157,17 @@ def actuator_velocity(geometry: Geometry, pose: ArrayLike, velocity: ArrayLike) 
 def actuator_acceleration(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:
-    """Return the actuators' accelerations, G a + (dG/dt) v, (..., 4) [rad/s^2, m/s^2]."""
+    """Return the actuators' accelerations, G a + (dG/dt) v, (..., 4) [rad/s^2, m/s^2].
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: v, (..., 4) [m/s, m/s, rad/s, m/s].
+        acceleration: a, (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
+    """
     p, v, a = aligned(pose=pose, velocity=velocity, acceleration=acceleration)
     g, rate = inverse_jacobian(geometry, p), inverse_jacobian_rate(geometry, p, v)
     return np.einsum("...ij,...j->...i", g, a) + np.einsum("...ij,...j->...i", rate, v)

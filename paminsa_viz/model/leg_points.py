@@ -86,7 +86,7 @@ CELLS = 480
 class CounterweightClearance:
     """Bounds that no pose of the singularity-free workspace exceeds.
 
-    It is what can be reached from home without passing a type-2 singularity, on the natural side
+    It is what can be reached from home without passing a type-2 singularity, on home's side
     of the guides: joints 5 below them with the lower knee, above them with the upper one.
 
     Attributes:

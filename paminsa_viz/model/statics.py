@@ -37,6 +37,13 @@ def unit_torques(geometry: Geometry, pose: ArrayLike) -> Array:
 
     It depends on the geometry alone: Q_j = M_p2 Gamma_j for j = 1, 2, 3. For M4 the constant
     `lift_constant` comes on top. NaN where the pose cannot be taken, not finite at singularities.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If the pose has another shape or is not real.
     """
     pose = as_vectors(pose, "pose")
     gamma = backend.over_list(UNIT_TORQUES, mechanism(geometry), pose.reshape(-1, 4))
@@ -65,6 +72,9 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
     Args:
         design: The robot.
         pose: (..., 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If the pose has another shape or is not real.
     """
     torque = unit_torques(design.geometry, pose)
     torque *= static_imbalance(design)
@@ -88,6 +98,12 @@ def load_torques(
         load: The load.
         pose: (..., 4) [m, m, rad, m].
         extra: (..., 6) a further wrench, see `center_wrench` [N, N m].
+
+    Returns:
+        Not finite where the pose is singular. Limits of reach are not looked at.
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     pose = as_vectors(pose, "pose")
     w = generalized_force(load, pose[..., 2], extra)

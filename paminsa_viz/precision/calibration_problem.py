@@ -176,7 +176,7 @@ def measuring_poses(
 ) -> Array:
     """Choose poses of which the calibration's intervals are small, (n, 4) [m, m, rad, m].
 
-    Random poses on the natural side of the guides, away from limits and singularities, of which
+    Random poses on home's side of the guides, away from limits and singularities, of which
     one after the other is taken that adds most to the determinant of the information about what
     can be seen at all.
 

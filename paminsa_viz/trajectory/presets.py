@@ -25,12 +25,16 @@ _TO = (0.1, -0.05, 0.5, 0.08)
 
 @of_geometry
 def preset_center(geometry: Geometry) -> Array:
-    """Return the pose (4,) about which the presets lie, in the middle of the natural side.
+    """Return the pose (4,) about which the presets lie, in the middle of the workspace.
 
-    It is somewhat higher than `model.reach.home_pose`, so that all of them have room.
+    It is somewhat nearer to the guides than `model.reach.home_pose`, so that all of them have room.
 
-    (0, 0, 0, -0.5 m) for Appendix 4's robot; with the upper knee the joints 5 are as high
-    above the guides as they are below them with the lower one.
+    Args:
+        geometry: Lengths of the mechanism.
+
+    Returns:
+        (x, y, theta, z) [m, m, rad, m]: (0, 0, 0, -0.5 m) for Appendix 4's robot. With the upper
+        knee the joints 5 are as high above the guides as they are below them with the lower one.
     """
     height = 0.4725 * workspace_height(geometry) / workspace_height(Geometry())
     return np.array([0.0, 0.0, 0.0, -geometry.knee.sign * height - geometry.platform_joint_height])

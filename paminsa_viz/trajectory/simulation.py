@@ -106,7 +106,11 @@ class Controller:
 
 @of_design
 def actuator_inertia(design: Design, pose: ArrayLike) -> Array:
-    """Return what each actuator feels of the robot's inertia at a pose, (..., 4) [kg m^2, kg]."""
+    """Return what each actuator feels of the robot's inertia at a pose, (..., 4) [kg m^2, kg].
+
+    It is the diagonal of J^T M J, the drives' own inertia included; pose (..., 4) [m, m, rad, m].
+    Not finite where the pose is singular.
+    """
     j = jacobian(design.geometry, pose)
     return np.einsum("...ji,...jk,...ki->...i", j, mass_matrix(design, pose), j)
 
