@@ -75,7 +75,8 @@ def status_html(frame: Frame) -> str:
         if why:
             level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
             lines.insert(0, f"{why}, at {number(near.t, 3)} s")
-    limited = not reachable and has_limits(state)
+    # where the path itself leads into a limit of the robot, no limit of the motion helps
+    limited = bool(found.trajectory is not None and found.problem and has_limits(state))
     return render(
         "motion/status.j2",
         level=level,

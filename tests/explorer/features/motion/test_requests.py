@@ -15,7 +15,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import checked
-from paminsa_viz.explorer.features.motion import points, simulation
+from paminsa_viz.explorer.features.motion import points, simulation, tab
 from paminsa_viz.explorer.features.motion.crossing import crossing_html
 from paminsa_viz.explorer.features.motion.tab import MOTION, status_line
 from paminsa_viz.explorer.features.pose.tab import status_html
@@ -280,6 +280,19 @@ def test_refusal_to_pass_a_singularity_is_the_problem(turning: State) -> None:
     ok, line = status_line(state, analyze(state.document.design, trajectory(state)))
     assert not ok
     assert "times as large" in line
+
+
+@pytest.mark.slow
+def test_limits_are_offered_where_another_one_could_help(turning: State) -> None:
+    def offered(state: State) -> bool:
+        text = tab.status_html(compute(state))
+        assert "Not possible" in text
+        return "Change the limits" in text
+
+    assert not offered(turning)  # its path meets the singular rotation, whatever the limits are
+    assert offered(motions.limit(motions.change(turning, cross=True), "torque", 0.5))
+    weak = motions.limit(motions.change(turning, goal=(0.1, 0.02, 0.8, -0.5)), "force", 100.0)
+    assert offered(weak)
 
 
 @pytest.mark.slow
