@@ -27,6 +27,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.singularity import singular_radius
 from tests.support.samples import random_poses, with_knee
 
 HOME = np.array(home_pose(APPENDIX_4.geometry))
@@ -266,3 +267,31 @@ def test_reasons_say_which_bodies_and_by_how_much() -> None:
     assert clearance_reason(np.nan, names, 0.005) == ""
     # what touches does not overlap, and what is required is enough
     assert clearance_reason(0.0, names) == clearance_reason(0.005, names, 0.005) == ""
+
+
+@pytest.mark.slow
+def test_most_room_of_the_prototype_is_that_of_b4_above_the_platforms_plate() -> None:
+    """13.9 mm: its end is 23.5 mm above the plate and 36 mm beside joint 5, a corner's center."""
+    most = np.hypot(0.0235, 0.036 - 0.025) - 0.012
+    assert most == pytest.approx(0.0139, abs=5e-5)
+    assert np.nanmax(clearance(APPENDIX_4, poses(APPENDIX_4, 3000)).least) <= most
+    roomy = clearance(APPENDIX_4, (0.0608, -0.1889, -0.9575, -0.6240))
+    assert roomy.least == pytest.approx(most, abs=2e-5)
+
+
+@pytest.mark.slow
+def test_bodies_of_two_legs_of_the_prototype_meet_from_28_degrees_on() -> None:
+    """Or from 39 degrees on, where the platform is 0.20 m or more below the guides."""
+    pairs = [PairGroup.BETWEEN_LEGS]
+    meeting = [(-0.1709, -0.2043, 0.4964, -0.0472), (-0.1875, -0.2079, 0.6877, -0.2015)]
+    assert (group_clearance(APPENDIX_4, meeting, pairs) < 0.0).all()
+    geometry, draw, n = APPENDIX_4.geometry, np.random.default_rng(2), 8000
+    for most, low, high in ((28.0, -0.1, -geometry.platform_joint_height), (39.0, -0.6, -0.2)):
+        theta = np.radians(draw.uniform(-most, most, n))
+        radius = singular_radius(geometry, theta) * np.sqrt(draw.uniform(0.0, 1.0, n))
+        around = draw.uniform(0.0, 2 * np.pi, n)
+        place = radius * np.cos(around), radius * np.sin(around)
+        drawn = np.column_stack([*place, theta, draw.uniform(low, high, n)])
+        least = group_clearance(APPENDIX_4, drawn, pairs)
+        assert np.isfinite(least).sum() > n / 4
+        assert np.nanmin(least) > 0.0
