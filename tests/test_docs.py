@@ -18,7 +18,7 @@ import pytest
 import paminsa_viz
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.explorer.tabs import sections
+from paminsa_viz.explorer.tabs import WORKSPACES, sections
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -169,6 +169,21 @@ def test_tabs_that_texts_name_exist() -> None:
     for path in (*PAGES, *sources):
         named = re.findall(r"\btabs? \*?([A-Z][a-z]+)", path.read_text(encoding="utf-8"))
         assert tabs.issuperset(named), f"{name_of(path)} names the tabs {named}"
+
+
+@pytest.mark.slow
+def test_sections_are_where_pages_say() -> None:
+    """Written as *Workspace, Section*, the names that the page shows from left to right."""
+    spaces = "|".join(one.name for one in WORKSPACES)
+    named: list[str] = []
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert not re.findall(r"\*[A-Z]\w+ → \w+\*", text), name_of(page)
+        found = re.findall(rf"\*({spaces}),\s([A-Z]\w+)\*", text)
+        found += re.findall(rf"workspace\s\*({spaces})\*, section\s\*([A-Z]\w+)\*", text)
+        named += [f"{space}/{section}" for space, section in found]
+    assert len(named) >= 5
+    assert set(sections()).issuperset(named)
 
 
 @pytest.mark.slow
