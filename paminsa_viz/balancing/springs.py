@@ -111,13 +111,22 @@ def on_bar(bar: str, joint: int, beyond: float) -> Anchor:
 
 @kinds_checked
 def on_guide(radius: float, height: float) -> Anchor:
-    """Return a point fixed to the guide link B10, which turns with the leg; radius 0: the axis."""
+    """Return a point fixed to the guide link B10, which turns with the leg; radius 0: the axis.
+
+    Args:
+        radius: Distance from the leg axis toward the platform [m].
+        height: Above the plane of the guides [m].
+    """
     return Anchor("guide", radius=radius, height=height)
 
 
 @kinds_checked
 def on_slider(height: float) -> Anchor:
-    """Return the top of a mast on slider 8, which travels along the guide."""
+    """Return the top of a mast on slider 8, which travels along the guide.
+
+    Args:
+        height: Above the plane of the guides, in which joint 8 is [m].
+    """
     return Anchor("slider", height=height)
 
 
@@ -192,14 +201,26 @@ def _legs(geometry: Geometry, pose: Array) -> LegPosition:
 
 @of_geometry
 def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: ArrayLike) -> Array:
-    """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
+    """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        spring: The spring, or the place of one.
+        pose: (..., 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
+    """
     legs = _legs(geometry, as_vectors(pose, "pose"))
     return _lengths(geometry, legs, spring.first, spring.second)[0]
 
 
 @of_geometry
 def spring_energy(geometry: Geometry, spring: Spring, pose: ArrayLike) -> Array:
-    """Return the energy in the three springs together, (...) [J]."""
+    """Return the energy in the three springs together, (...) [J].
+
+    It is the sum of K (d - L)^2/2 over the legs, d as in `spring_lengths`, as are the arguments.
+    """
     stretch = spring_lengths(geometry, spring, pose) - spring.free_length
     return 0.5 * spring.stiffness * (stretch**2).sum(axis=-1)
 
@@ -226,6 +247,14 @@ def spring_torques(geometry: Geometry, springs: Sequence[Spring], pose: ArrayLik
     """Return what actuators have to hold against springs, dV/dq, (..., 4) [N m, N].
 
     Add it to `static_torques`. NaN where the bars cannot close.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        springs: The springs; every leg has each of them.
+        pose: (..., 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     require_each(springs, "springs", Spring)
     pose = as_vectors(pose, "pose")

@@ -224,6 +224,11 @@ def rotary_torques(design: Design, grid: Grid, threads: int | None = None) -> Ar
     """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
+
+    Args:
+        design: The robot; its weight and its load count.
+        grid: The poses; the result has its shape behind the three actuators.
+        threads: Threads to share the work; None for all cores where the grid is large enough.
     """
     factor, m = static_imbalance(design), mechanism(design.geometry)
     torque = _evaluate(ROTARY_TORQUES, m, grid, threads, factor)

@@ -253,7 +253,18 @@ _BRANCHES = np.array([1.0, -1.0])
 def nearest_solution(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) -> Array:
     """Return the valid assembly mode that lies nearest to a given pose, (..., 4).
 
-    Distance is taken in x, y and R_pl times theta. NaN where there is no valid one.
+    Distance is taken in x, y and R_pl times theta, which is within half a turn of the given one.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
+        near: The given pose, (..., 4) [m, m, rad, m].
+
+    Returns:
+        (x, y, theta, z) [m, m, rad, m]; NaN where there is no valid one.
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     q, near = aligned(actuators=actuators, near=near)
     found = forward_kinematics(geometry, q)

@@ -212,7 +212,12 @@ def mass_vector(design: Design) -> Array:
 def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> Array:
     """Return c, (18,), in the order of `COEFFICIENTS` (Appendices 2 and 3).
 
-    M_p are weights [N]; M_c1..7 and m_pl are masses [kg]; M_c8..13 and I_pl are [kg m^2].
+    M_p are weights [N]; M_c1..7 and m_pl are masses [kg]; M_c8..13 and I_pl are [kg m^2]. The
+    payload is part of m_pl and I_pl, counterweights are part of M_p and M_c.
+
+    Args:
+        design: The robot.
+        misprints: Formulas to take as published; of c that is M_c4 alone.
     """
     geometry, gravity = design.geometry, design.gravity
     c = np.array(_lumped(geometry, gravity, Masses(*mass_vector(design)), misprints))
@@ -256,6 +261,11 @@ def lumped_matrix(
     """Return N, (18, 28): c = N @ mass_vector(design) for a design without counterweights.
 
     Each of those adds its mass times its `point_mass_column`.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        gravity: Gravitational acceleration [m/s^2].
+        misprints: As in `lumped_coefficients`.
 
     Raises:
         InvalidInput: If the gravity is none that a design has.

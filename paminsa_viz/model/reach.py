@@ -186,10 +186,16 @@ def home_pose(geometry: Geometry) -> Pose:
 
 @of_geometry
 def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
-    """Check one pose.
+    """Raise an error unless the robot can take every pose.
+
+    Args:
+        geometry: Lengths and limits.
+        pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
 
     Raises:
-        UnreachablePose: If the robot cannot take it; says which leg, which limit, by how much.
+        UnreachablePose: Of the first pose that the robot cannot take; says which leg, which limit,
+            by how much.
+        InvalidInput: If the pose has another shape or is not real.
     """
     result = check_reach(geometry, pose)
     if result.ok.all():

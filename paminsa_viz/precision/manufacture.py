@@ -92,7 +92,17 @@ class ToleranceErrors:
 
 @of_design
 def tolerance_errors(design: Design, pose: ArrayLike) -> ToleranceErrors:
-    """Return the errors by a design's tolerances at poses (..., 4); NaN out of reach."""
+    """Return the errors by a design's tolerances at poses (..., 4); NaN out of reach.
+
+    They are of first order, about the design's own legs, with locked actuators.
+
+    Args:
+        design: The robot, its deviations and tolerances.
+        pose: (..., 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
+    """
     pose = as_vectors(pose, "pose")
     return ToleranceErrors(pose, *in_blocks(partial(_errors, design), pose, BLOCK))
 
@@ -114,7 +124,14 @@ def _field_errors(field: Field, design: Design) -> ToleranceErrors:
 def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
     """Return where a design's legs put the platform if the controller takes all legs as equal.
 
-    The actuators are those of the nominal robot at poses (..., 4); NaN where it has none.
+    The actuators are those of the nominal robot at the poses; NaN where it has none.
+
+    Args:
+        design: The robot, with the deviations of its legs.
+        pose: (..., 4) poses that the controller is asked for [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     nominal = nominal_pose(design.geometry, pose)
     if equal_legs(design):

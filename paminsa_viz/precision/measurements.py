@@ -105,7 +105,16 @@ def coordinate_scales(design: Design) -> Array:
 
 @of_design
 def predict(design: Design, deviations: ArrayLike, measured: Measurements) -> UnequalPose:
-    """Return the poses that legs with deviations (3, 14) have at the measured readings."""
+    """Return the poses that legs with deviations (3, 14) have at the measured readings.
+
+    Args:
+        design: The robot; its own deviations do not count.
+        deviations: (3, 14) in the order of `LENGTHS` [m, rad], from the nominal lengths.
+        measured: Readings, and the poses that the solution starts from.
+
+    Raises:
+        InvalidInput: If the deviations have another shape, or are not real.
+    """
     lengths = nominal_lengths(design.geometry) + as_lengths(deviations, "deviations")
     return solve_pose(design.geometry, lengths, measured.actuators, measured.poses[:, :4])
 
@@ -114,7 +123,10 @@ def predict(design: Design, deviations: ArrayLike, measured: Measurements) -> Un
 def prediction_errors(
     design: Design, deviations: ArrayLike, measured: Measurements
 ) -> PredictionErrors:
-    """Return by how much legs with deviations (3, 14) miss measured poses."""
+    """Return by how much legs with deviations (3, 14) miss measured poses.
+
+    Arguments and what is raised as in `predict`.
+    """
     return errors_of(differences(predict(design, deviations, measured), measured))
 
 

@@ -41,6 +41,12 @@ def point_to_point(
 
     The platform runs straight and turns in proportion.
 
+    Args:
+        start, goal: (4,) poses [m, m, rad, m].
+        duration: [s].
+        law: Its law; a quintic by default.
+        name: Its name.
+
     Raises:
         InvalidInput: If a pose is not finite or the duration not positive.
     """
@@ -59,7 +65,16 @@ def line(
     *,
     name: str = "line",
 ) -> Plan:
-    """Return a straight line from a pose (4,) to a point (3,) = (x, y, z), theta held."""
+    """Return a straight line from a pose (4,) to a point (3,) = (x, y, z), theta held.
+
+    Args:
+        start: (4,) pose [m, m, rad, m].
+        point: (3,) place of the platform's center at the end, in the base frame [m].
+        duration, law, name: As in `point_to_point`.
+
+    Raises:
+        InvalidInput: If a number is not finite or the duration not positive.
+    """
     begin = _pose(start, "start")
     x, y, z = _finite(as_vectors(point, "point", 3), "point", (3,))
     law = law or TimeLaw()
