@@ -146,7 +146,7 @@ Made by `python -m benchmarks.goals`; the figures are those of one run.
 |---|---|---|---|
 {chr(10).join(map(str, rows))}
 
-Single rooms have benchmarks of their own, which the folder `benchmarks` lists.
+Subpackages have benchmarks of their own, which the folder `benchmarks` lists.
 """
 
 

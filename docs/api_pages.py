@@ -1,4 +1,4 @@
-"""Pages of the documentation's site for the Python API, one a room, out of the docstrings.
+"""Pages of the documentation's site for the Python API, one a subpackage, made from the docstrings.
 
 MkDocs calls this while it builds the site. Each public name has a heading, its signature, its
 arguments, results and what is raised, and the site's search finds it.
@@ -17,13 +17,13 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 ROOMS: dict[str, str] = runpy.run_path(str(Path(__file__).with_name("generate.py")))["API"]
-"""Rooms of the package and what they are about."""
+"""Subpackages and what they are about."""
 
 
 def on_config(config: MkDocsConfig) -> None:
     """Put the pages of the rooms into the menu."""
     assert config.nav
-    config.nav.append({"Python API by rooms": [{room: f"api/{room}.md"} for room in ROOMS]})
+    config.nav.append({"Python API by subpackages": [{room: f"api/{room}.md"} for room in ROOMS]})
 
 
 def on_files(files: Files, config: MkDocsConfig) -> None:

@@ -293,8 +293,8 @@ def python_api() -> str:
         NOTE,
         "Everything is batch-first: poses (..., 4) = (x, y, theta, z) [m, m, rad, m] in, results "
         "(..., n) out, in SI units. Everything is typed; `help(name)` says shapes, units, frames "
-        "and what is raised. So do the pages of the rooms on the documentation's site, which its "
-        "search finds by name.",
+        "and what is raised. So do the pages of the subpackages on the documentation's site, which "
+        "its search finds by name.",
     ]
     for name, what in API.items():
         module = importlib.import_module(name)
