@@ -168,6 +168,7 @@ def base_regressor(
 
 
 @of_geometry
+@np.errstate(all="ignore")
 def leg_base_regressor(
     geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Array:

@@ -135,6 +135,7 @@ def inverse_dynamics(
     )
 
 
+@np.errstate(all="ignore")
 def _with_drives(design: Design, torque: Array, p: Array, v: Array, a: Array) -> Array:
     """Return torques with those that accelerate the drives' own inertia."""
     if not any(design.drive_inertia):

@@ -74,7 +74,9 @@ def drive_regressor(
     The torques are Y c + Y_d J with J = `Design.drive_inertia`; Y_d is diagonal, the actuators'
     accelerations. Arguments as in `torque_regressor`.
     """
-    return actuator_acceleration(geometry, pose, velocity, acceleration)[..., None] * np.eye(4)
+    growth = actuator_acceleration(geometry, pose, velocity, acceleration)
+    with np.errstate(invalid="ignore"):
+        return growth[..., None] * np.eye(4)
 
 
 def regressor_torques(y: Array, c: Array) -> Array:

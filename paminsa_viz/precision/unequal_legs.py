@@ -93,6 +93,7 @@ class UnequalPose(WithStatus):
 
 
 @of_geometry
+@np.errstate(all="ignore")
 def solve_pose(
     geometry: Geometry, lengths: ArrayLike, actuators: ArrayLike, near: ArrayLike
 ) -> UnequalPose:
