@@ -70,11 +70,12 @@ LIMITED = (
     "torque of M1", "torque of M2", "torque of M3", "force of M4",
     *(f"torque-speed envelope of {name}" for name in ACTUATORS),
     *(f"motor speed of {name}" for name in ACTUATORS),
+    *(f"load of the gear of {name}" for name in ACTUATORS),
 )  # fmt: skip
 """What can be limited, in the order in which `timing` looks at it."""
 
 UNITS = (
     "m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", *TORQUE_UNITS,
-    *("",) * 4, *("rad/s",) * 4,
+    *("",) * 4, *("rad/s",) * 4, *TORQUE_UNITS,
 )  # fmt: skip
 """Units of that."""

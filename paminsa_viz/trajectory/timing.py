@@ -278,7 +278,10 @@ def shortest_stretch(
 
 def limit_of(column: int, limits: MotionLimits, design: Design | None) -> float:
     """Return a limit by its place in `limits.LIMITED`, in its unit."""
-    rows = [*limits.rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design)]
+    rows = [
+        *limits.rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design),
+        *_gear_peaks(design),
+    ]  # fmt: skip
     return float(rows[column])
 
 
@@ -407,15 +410,16 @@ def coulomb_share(design: Design, speed: Array, duration: Array | None) -> Array
 def _where_friction_fades(needed: Callable[[Array | None], Array], design: Design) -> Array:
     """Return the durations that are needed with the friction that there is in them.
 
-    ``needed`` gives those (n, columns), M1 to M4 first, with the friction of durations (n, 4). A
-    longer duration has less of it, so that from those without friction on each is one that will do.
+    ``needed`` gives those (n, columns) with the friction of durations (n, 4); the first and the
+    last four columns are those of torques of M1 to M4. A longer duration has less friction, so that
+    from those without any on each is one that will do.
     """
     full = needed(None)
     if not any(design.actuator_friction.coulomb):
         return full
     longest = np.full_like(full, np.inf)
     for _ in range(_FADED):
-        longest = np.maximum(full, needed(longest[:, :4]))
+        longest = np.maximum(full, needed(np.maximum(longest[:, :4], longest[:, -4:])))
     return longest
 
 
@@ -433,13 +437,19 @@ def _motor_speeds(design: Design | None) -> list[float]:
     ]
 
 
+def _gear_peaks(design: Design | None) -> list[float]:
+    """Return the peak loads of the drives' gears, at the actuators, (4,); infinite without one."""
+    drives = NO_DRIVES if design is None else design.drives
+    return [np.inf if drive is None else drive.gear_limits.peak for drive in drives]
+
+
 def _drive_durations(
     curve: UnitCurve, design: Design, misprints: Misprint
 ) -> Callable[[Array], Array]:
-    """Return the durations that the drives require, as a function (n,) -> (n, 8) [s].
+    """Return the durations that the drives require, as a function (n,) -> (n, 12) [s].
 
-    With w = 1/T the load, the motor's own torque and its speed are polynomials in w, and so is each
-    line of the envelope; see `_longest`.
+    The columns are envelopes, speeds and gears of M1 to M4. With w = 1/T the load, the motor's own
+    torque and its speed are polynomials in w, and so is each line of the envelope; see `_longest`.
     """
     plain = replace(design, drives=NO_DRIVES)
     speeds = np.array([one.speed for one in design.output_limits])
@@ -457,8 +467,8 @@ def _drive_durations(
         return _where_friction_fades(needed, design)
 
     def with_friction(load: tuple[Array, ...], speed: Array, turned: Array, acting: Array) -> Array:
-        found = np.zeros((len(speed), 8))
-        found[:, 4:] = np.abs(speed) / speeds
+        found = np.zeros((len(speed), 12))
+        found[:, 4:8] = np.abs(speed) / speeds
         for j, drive in enumerate(design.drives):
             if drive is None:
                 continue
@@ -478,7 +488,8 @@ def _drive_durations(
                     # that is the larger of the two at a positive speed: below a limit if both are
                     along = sign * speed[:, j] > 0
                     least = np.where(along, np.max(needed, axis=0), np.min(needed, axis=0))
-                    found[:, j] = np.maximum(found[:, j], least)
+                    column = j if counted else 8 + j
+                    found[:, column] = np.maximum(found[:, column], least)
         return found
 
     return durations

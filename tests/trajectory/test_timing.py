@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +26,7 @@ from paminsa_viz.trajectory import (
     TimeLaw,
     check_path,
     point_to_point,
+    shortest_motion,
     shortest_stretch,
 )
 from paminsa_viz.trajectory.limits import LIMITED, UNITS
@@ -368,6 +371,24 @@ def test_a_gear_takes_its_share_of_the_load_only_where_it_turns() -> None:
         assert counted or fall == 0.0  # a gear's peak is the same at any speed
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("shortest", [shortest_stretch, shortest_motion])
+def test_a_gear_that_limits_is_named_with_its_load(
+    shortest: Callable[..., ShortestStretch],
+) -> None:
+    """And not the envelope of its motor, which a stronger one would not help."""
+    plan = PRESET["arch"].build(APPENDIX_4.geometry)
+    gear = replace(SERVO, peak_torque=20.0, envelope=(), gear_peak_torque=6.0)
+    found = shortest(plan, MotionLimits(), replace(APPENDIX_4, drives=(None, gear, None, None)))
+    assert (found.quantity, found.limit, found.unit) == ("load of the gear of M2", 6.0, "N m")
+    assert "load of the gear of M2 reaches 6 N m at" in found.explanation
+    # the load is that of the robot without its drives
+    load = np.abs(inverse_dynamics(APPENDIX_4, *found.plan.at(dense(found.plan))).torque[:, 1])
+    assert load.max() == pytest.approx(6.0, rel=1e-3)
+    at = inverse_dynamics(APPENDIX_4, *found.plan.at(np.array([found.t]))).torque[0, 1]
+    assert abs(at) == pytest.approx(6.0, rel=1e-6)
+
+
 def test_a_drive_too_weak_for_gravity_is_named() -> None:
     weak = replace(AXIS, peak_torque=0.1)
     with pytest.raises(InfeasibleMotion) as caught:
@@ -444,17 +465,23 @@ def test_a_largest_value_is_exact_also_of_steep_hills_and_at_the_ends() -> None:
 
 
 def test_limits_by_their_places_are_in_the_units_that_are_told() -> None:
-    """The envelope's is one; a motor's speed is before its gear; infinite where there is none."""
+    """The envelope's is one; a motor's speed is before its gear; infinite where there is none.
+
+    A gear's peak is behind it, of M4 behind the screw.
+    """
     limits = MotionLimits(speed=1.0, turn_acceleration=4.0, jerk=5.0, torque=7.0, force=8.0)
-    design = replace(driven(SERVO), drives=(SERVO, None, SERVO, AXIS))
+    strong = replace(SERVO, gear_peak_torque=90.0)
+    lift = replace(AXIS, gear_ratio=2.0, gear_peak_torque=3.0, lead=0.01, lead_efficiency=0.8)
+    design = replace(driven(SERVO), drives=(strong, None, SERVO, lift))
     found = [limit_of(column, limits, design) for column in range(len(LIMITED))]
     infinite = np.inf
     assert found == [
         1.0, infinite, infinite, 4.0, 5.0, infinite, 7.0, 7.0, 7.0, 8.0, 1.0, 1.0, 1.0, 1.0,
         pytest.approx(400.0), infinite, pytest.approx(400.0), pytest.approx(600.0),
+        pytest.approx(90.0), infinite, infinite, pytest.approx(3.0 * 2 * math.pi / 0.01 * 0.8),
     ]  # fmt: skip
-    assert [limit_of(column, limits, None) for column in range(14, 18)] == [infinite] * 4
-    assert len(UNITS) == len(LIMITED) == 18
+    assert [limit_of(column, limits, None) for column in range(14, 22)] == [infinite] * 8
+    assert len(UNITS) == len(LIMITED) == 22
 
 
 def test_durations_of_torques_are_those_of_the_smallest_positive_root() -> None:
