@@ -29,6 +29,7 @@ from paminsa_viz.model import (
     KneeBranch,
     LoadCase,
     LoadFrame,
+    actuator_velocity,
     inverse_kinematics,
     leg,
 )
@@ -91,13 +92,31 @@ def test_c_agrees_with_python(name: str, compiler: str, tmp_path: Path) -> None:
     assert float(formulas[1]) < 1e-12
 
 
+def of_size(scale: float) -> Design:
+    """Appendix 4's robot of the same material in another size."""
+    power = {"m": 1, "kg": 3, "kg m^2": 5}
+    paths = [path for path in PARAMETER if PARAMETER[path].group in SIZED]
+    return APPENDIX_4.vary(
+        {
+            path: value * scale ** power.get(PARAMETER[path].unit, 0)
+            for path in paths
+            if (value := APPENDIX_4.value(path)) is not None
+        }
+    )
+
+
+SIZED = ("geometry", "joints", "links", "inertias", "platform")
+SIZES = {"twentieth": of_size(0.05), "fifth": of_size(0.2), "five": of_size(5.0)}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["appendix-4", "upper-knee", "loaded"])
+@pytest.mark.parametrize("name", ["appendix-4", "upper-knee", "loaded", *SIZES])
 def test_single_precision_keeps_the_bounds_that_the_readme_states(
     name: str, tmp_path: Path
 ) -> None:
     warned = ("-Wconversion", "-Wdouble-promotion")
-    build(tmp_path, DESIGNS[name], "gcc", "-O1", *warned, single=True)
+    design = (DESIGNS | SIZES)[name]
+    build(tmp_path, design, "gcc", "-O1", *warned, single=True)
     done = run_test(tmp_path)
     assert done.returncode == 0, done.stdout
     worst = {
@@ -437,6 +456,24 @@ def test_vectors_of_a_robot_twice_as_large_are_twice_as_far_away() -> None:
     large = APPENDIX_4.vary({path: 2.0 * APPENDIX_4.value(path) for path in lengths})
     one, other = kit._poses(APPENDIX_4), kit._poses(large)
     np.testing.assert_array_equal(other[:ROWS], one[:ROWS] * [2.0, 2.0, 1.0, 2.0])
+
+
+def test_actuators_of_a_robot_of_any_size_turn_as_fast_in_the_vectors() -> None:
+    """So that its rates count as much beside its weight, and rounding as little."""
+
+    def turning(design: Design) -> np.ndarray:
+        text = kit.test_vectors(design).splitlines()
+        rows = np.array([line.split(",") for line in text[1 : ROWS + 1]], float)
+        named = dict(zip(text[0].split(","), rows.T, strict=True))
+        pose, velocity = (
+            np.column_stack([named[f"{kind}_{i}"] for i in range(4)])
+            for kind in ("pose", "velocity")
+        )
+        return actuator_velocity(design.geometry, pose, velocity)[:, :3]
+
+    wanted = turning(APPENDIX_4)
+    for design in SIZES.values():
+        np.testing.assert_allclose(turning(design), wanted, rtol=1e-6, atol=1e-9)
 
 
 def test_only_code_becomes_single_precision() -> None:
