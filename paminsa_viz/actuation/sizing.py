@@ -356,14 +356,19 @@ def size_drives(load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float =
 SLOWEST = 1e3
 """Largest factor on the time that is tried."""
 
+SMALL_STEP = 2.0**0.125
+"""Ratio of two factors on the time where a slower motion may also ask more of a drive."""
+
 
 def fitting_time(
     cycle: DutyCycle, actuator: int, table: DriveTable, *, inertia_ratio: float = np.inf
 ) -> float:
     """Return the least factor on the motions' durations with which some drive is feasible.
 
-    It is found by bisection between 1 and `SLOWEST`, for one drive after the other the more time
-    the better; infinite if none is feasible even then: gravity alone asks too much.
+    It is found by bisection between 1 and `SLOWEST`; infinite if none is feasible even then:
+    gravity alone asks too much. More time is better but for dwells: slower motions fill more of the
+    cycle, so that a drive which rests in them may keep its rated torque in a range of factors
+    alone. One that is narrower than `SMALL_STEP` may be missed.
     """
 
     def fits(slower: float) -> bool:
@@ -372,11 +377,12 @@ def fitting_time(
 
     if fits(1.0):
         return 1.0
-    bad, good = 1.0, 2.0
+    step = SMALL_STEP if any(duty.dwell > 0 for duty in cycle.duties) else 2.0
+    bad, good = 1.0, step
     while not fits(good):
         if good >= SLOWEST:
             return float("inf")
-        bad, good = good, min(2.0 * good, SLOWEST)
+        bad, good = good, min(step * good, SLOWEST)
     while good - bad > 1e-3 * good:
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if fits(middle) else (good, middle)

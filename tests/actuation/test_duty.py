@@ -20,7 +20,7 @@ from paminsa_viz.actuation.duty import (
 )
 from paminsa_viz.actuation.sizing import LIMITS, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4, static_torques
+from paminsa_viz.model import APPENDIX_4, Drive, inverse_dynamics, static_torques
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.trajectory import (
@@ -231,6 +231,30 @@ def test_the_time_scaling_that_fits_is_the_least(motion) -> None:  # type: ignor
     assert fitting_time(cycle, 0, pair_table([replace(drive, top_speed=speed)], [GEAR])) == 1.0
     hopeless = pair_table([replace(SERVO, rated_torque=1e-6)], [GEAR])
     assert fitting_time(cycle, 0, hopeless) == np.inf
+
+
+def test_a_brake_that_holds_in_dwells_makes_a_range_of_time_scalings_fit() -> None:
+    """Slower motions fill more of the cycle: the RMS torque grows while the peak torque falls."""
+    motion = PRESET["paper-like"].build(APPENDIX_4.geometry).lasting(0.35).sample(500.0)
+    cycle = duty_cycle(APPENDIX_4, [Duty(motion, dwell=0.9)])
+
+    def torques(slower: float) -> tuple[float, float]:
+        t, pose = slower * motion.t, motion.pose
+        rates = motion.velocity / slower, motion.acceleration / slower**2
+        force = inverse_dynamics(APPENDIX_4, pose, *rates).torque[:, 3]
+        mean = np.trapezoid(force**2, t) / (t[-1] + 0.9)
+        return float(np.abs(force).max()), float(np.sqrt(mean))
+
+    ratio = 2 * np.pi / 0.005
+    peak, rated = torques(1.15)[0] / ratio, torques(1.5)[1] / ratio
+    brake = Drive(
+        rated_torque=rated, peak_torque=peak, transmission="screw", lead=0.005, brake=True
+    )
+    found = fitting_time(cycle, 3, drive_table([brake]))
+    assert found == pytest.approx(1.15, rel=2e-3)
+    for slower, fits in ((1.16, True), (1.49, True), (1.14, False), (1.51, False), (2.0, False)):
+        load = cycle.stretched(slower).loads[3]
+        assert size_drives(load, drive_table([brake])).feasible[0] == fits, slower
 
 
 def test_a_stretched_cycle_is_that_of_the_slower_motion() -> None:
