@@ -244,28 +244,43 @@ def _share(share: float) -> Cell:
 def deflection_table(case: str, wrench: Array, twist: Array) -> Table:
     """Return the deflection (6,) of the platform's center under a wrench (6,)."""
     moved, loads = _rounded(twist), [float(load) for load in wrench]
-    found = (*aligned(moved[:3], "m"), *aligned(moved[3:], "rad:mrad"))
-    units = (("N", "m"),) * 3 + (("N m", "rad:mrad"),) * 3
+    length, angle = _unit("m", moved[:3]), _unit("rad:mrad", moved[3:])
+    found = (*aligned(moved[:3], length), *aligned(moved[3:], angle))
+    units = (("N", length),) * 3 + (("N m", angle),) * 3
     rows = [
         Row((heading(name, unit), format_value(load, of), text))
         for name, load, text, (of, unit) in zip(AXES, loads, found, units, strict=True)
     ]
     tilt = float(np.hypot(*moved[3:5]))
-    rows.append(Row((heading("tilt", "rad:mrad"), "", aligned([*moved[3:], tilt], "rad:mrad")[-1])))
+    rows.append(Row((heading("tilt", angle), "", aligned([*moved[3:], tilt], angle)[-1])))
     caption = f"Deflection of the platform's center under {case}."
     return Table(("", "Load", "Deflection"), tuple(rows), caption)
 
 
 def compensation_text(moved: Compensation) -> str:
     """Return how the motors bring the platform back, and the tilt that remains."""
+    *turns, lift, tilt = _rounded(np.array([*moved.actuators, moved.tilt]))
+    angle, length = _unit("rad:mrad", [*turns, tilt]), _unit("m", [lift])
     motors = ", ".join(
-        f"{name} {format_value(value, 'm' if name == 'M4' else 'rad:mrad', 3)}"
-        for name, value in zip(ACTUATORS, _rounded(moved.actuators), strict=True)
+        f"{name} {format_value(value, length if name == 'M4' else angle, 3)}"
+        for name, value in zip(ACTUATORS, (*turns, lift), strict=True)
     )
     return (
         f"The motors bring x, y, θ and z back with {motors}; a tilt of "
-        f"{format_value(float(moved.tilt), 'rad:mrad', 3)} remains."
+        f"{format_value(tilt, angle, 3)} remains."
     )
+
+
+SMALL_UNITS = {"m": "m:um", "rad:mrad": "rad:arcsec"}
+"""Units for less than `SMALL`."""
+
+SMALL = 1e-5
+"""Lengths and angles below this are in a smaller unit [m, rad]."""
+
+
+def _unit(unit: str, values: Sequence[float] | Array) -> str:
+    """Return the unit that shows the largest of some lengths or angles without many zeros."""
+    return SMALL_UNITS[unit] if 0 < np.abs(values).max() < SMALL else unit
 
 
 def _rounded(values: Array) -> Array:

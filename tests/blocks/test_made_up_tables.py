@@ -355,6 +355,20 @@ def test_a_deflection_with_its_load_and_tilt() -> None:
         assert part in text
 
 
+def test_a_small_deflection_is_in_small_units_and_has_no_rounding() -> None:
+    twist = np.array([0.0, 1e-25, -1.52e-7, 1e-22, 0.0, 0.0])
+    table = stiffness.deflection_table("case", np.zeros(6), twist)
+    assert [row[::2] for row in cells(table)][1:4] == [
+        ("y [µm]", "0.000"), ("z [µm]", "−0.152"), ("about x [mrad]", "0"),
+    ]  # fmt: skip
+    turned = stiffness.deflection_table("case", np.zeros(6), np.array([0, 0, 1e-3, 0, 0, 4.85e-6]))
+    assert cells(turned)[5][0] == "about z [″]"
+    assert cells(turned)[5][2] == "1.00"
+    actuators = np.array([1e-24, 0.0, 0.0, 5.07e-8])
+    text = stiffness.compensation_text(SimpleNamespace(actuators=actuators, tilt=1.7e-21))  # type: ignore[arg-type]
+    assert "M3 0 mrad, M4 0.0507 µm; a tilt of 0 mrad remains" in text
+
+
 def test_natural_frequencies_beside_those_of_the_drives() -> None:
     rows = cells(stiffness.modes_table([3.9, 5.5, 7.25, 8.0], [4.1, 6.0]))
     assert rows == [
