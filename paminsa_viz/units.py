@@ -44,6 +44,14 @@ COLUMN_UNITS: dict[str, dict[str, float]] = {
 """Endings of the columns of tables by SI unit, that of the unit itself first, with the factor to
 it."""
 
+TYPED_UNITS: tuple[dict[str, float], ...] = (
+    {"µm": 1e-6, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0},
+    {"°": math.pi / 180, "deg": math.pi / 180, "rad": 1.0},
+    {"g": 1e-3, "kg": 1.0},
+)
+"""Units that may be typed where another of the same kind is shown, with the factor to the SI unit:
+on the page in number boxes and in the command palette."""
+
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # A difference has its Δ before the letter.

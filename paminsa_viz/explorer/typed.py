@@ -25,7 +25,7 @@ from paminsa_viz.explorer.state.pins import IMBALANCE
 from paminsa_viz.model import PARAMETERS
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.quantities import QUANTITIES
-from paminsa_viz.units import DisplayUnit, display_unit, symbol_text
+from paminsa_viz.units import TYPED_UNITS, DisplayUnit, display_unit, symbol_text
 
 LONGEST = 100
 """Characters that are read of a text."""
@@ -96,12 +96,17 @@ def _targets() -> dict[str, _Target]:
     return found
 
 
-def _same_unit(typed: str, unit: DisplayUnit) -> bool:
+def _scale(typed: str | None, unit: DisplayUnit) -> float | None:
+    """Return how many of a unit one of the unit typed is, None if it is of another kind."""
+
     def plain(text: str) -> str:
         bare = re.sub(r"[\s·*^]", "", text).translate(str.maketrans("²³", "23"))
         return "°" if bare in ("deg", "degrees") else bare
 
-    return plain(typed) == plain(unit.text)
+    if typed is None or plain(typed) == plain(unit.text):
+        return 1.0
+    kind = next((each for each in TYPED_UNITS if unit.text in each), {})
+    return kind[plain(typed)] / kind[unit.text] if plain(typed) in kind else None
 
 
 def _value(text: str) -> Typed | None:
@@ -112,13 +117,14 @@ def _value(text: str) -> Typed | None:
         return None
     if _AMBIGUOUS.fullmatch(found["number"]):
         return Typed(f"{found['number']} may be a thousand or a fraction: write it with a point")
-    if found["unit"] and not _same_unit(found["unit"], target.unit):
+    scale = _scale(found["unit"], target.unit)
+    if scale is None:
         unit = f"in {target.unit.text}" if target.unit.text else "without a unit"
         return Typed(f"{target.symbol} is set {unit}, not in {found['unit'].strip()}")
     number = found["number"].replace("\u2212", "-").replace(",", ".")
     if not math.isfinite(float(number)):
         return Typed(f"{target.symbol} needs a finite number")
-    value = target.unit.to_si(float(number))
+    value = target.unit.to_si(float(number) * scale)
     return Typed(
         f"Set {target.symbol} to {target.unit.format(value, DIGITS)}", target.effect(value)
     )

@@ -29,6 +29,9 @@ def done(text: str) -> State:
         ("m7 3.063", "joints.j7", 3.063),
         ("m_7 = 3,5 kg", "joints.j7", 3.5),
         ("R_b 370 mm", "geometry.base_radius", 0.37),
+        ("R_b 0.4 m", "geometry.base_radius", 0.4),
+        ("R_b 37cm", "geometry.base_radius", 0.37),
+        ("m7 3063 g", "joints.j7", 3.063),
         ("m_B3 1.5", "links.b3", 1.5),
         ("b4 3", "friction.viscous_linear", 3.0),
         ("M_x -2 N m", "load.moment_x", -2.0),
@@ -51,6 +54,8 @@ def test_every_parameter_is_set_by_its_symbol() -> None:
 def test_pose_is_typed_in_the_units_that_are_shown() -> None:
     assert done("theta 60").document.pose[2] == pytest.approx(math.pi / 3)
     assert done("x \u221250 mm").document.pose[0] == pytest.approx(-0.05)
+    assert done("x \u22120.05 m").document.pose[0] == pytest.approx(-0.05)
+    assert done("theta 0.5 rad").document.pose[2] == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,11 @@ server's guard is the exception: where it does not fit, nothing is served.
 
 from __future__ import annotations
 
+import json
 import re
 from importlib.resources import files
+
+from paminsa_viz.units import TYPED_UNITS
 
 TITLE = "PAMINSA explorer"
 """The page's title, which the design's name is put before."""
@@ -40,6 +43,6 @@ def page_head() -> str:
         asset("context.js"),
         asset("drawing.js", PROGRAMS="|".join(SOFTWARE_RENDERERS)),
         asset("inputs.js"),
-        asset("number_fields.js"),
+        asset("number_fields.js", KINDS=json.dumps(TYPED_UNITS)),
     )
     return f"<title>{TITLE}</title>" + "".join(f"<script>{script}</script>" for script in scripts)

@@ -31,12 +31,7 @@
   const NUMBER = /^(\d+\.?\d*|\.\d+)(e[+-]?\d+)?/i;
   const AMBIGUOUS = /(^|[^\d.,])[1-9]\d{0,2},\d{3}(?![\d.,])/;
   const PARTS = /^((?:[^a-zµ°″%]|(?<=[\d.])e(?=[+-]?\d))*)(.*)$/i;
-  const DEGREE = Math.PI / 180;
-  const KINDS = [
-    { µm: 1e-6, um: 1e-6, mm: 1e-3, cm: 1e-2, m: 1 },
-    { "°": DEGREE, deg: DEGREE, rad: 1 },
-    { g: 1e-3, kg: 1 },
-  ];
+  const KINDS = @KINDS@;
   const plainUnit = (unit) => unit.replace(/[\s·*^]/g, "").replace("²", "2").replace("³", "3");
   /** How many of the field's unit one of the unit typed is; undefined if it is of another kind. */
   const scale = (typed, own) => {
