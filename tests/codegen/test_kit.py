@@ -435,7 +435,8 @@ def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_
     assert 0.8 * height < away.max() <= height
     moving = [column(*(f"{kind}_{i}" for i in range(4))) for kind in ("velocity", "acceleration")]
     spread = np.concatenate(moving).std(axis=0)
-    np.testing.assert_allclose(spread, [0.3, 0.3, 1.0, 0.3], rtol=0.07)
+    across = 0.3 * g.base_radius / APPENDIX_4.geometry.base_radius
+    np.testing.assert_allclose(spread, [across, across, 1.0, across], rtol=0.07)
     said = [
         f"with {ROWS} states within reach and {ROWS // 10} out of it",
         "rates drawn with deviations of 0.3 m/s, 1 rad/s",
