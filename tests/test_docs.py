@@ -171,6 +171,16 @@ def test_tabs_that_texts_name_exist() -> None:
         assert tabs.issuperset(named), f"{name_of(path)} names the tabs {named}"
 
 
+@pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
+def test_paths_to_sections_that_pages_name_exist(page) -> None:
+    """A workspace and its section, such as *Robot, Load*; the folder *File > Export*."""
+    known = {tuple(path.split("/")) for path in sections()} | {("File", "Export")}
+    text = re.sub(r"\s+", " ", page.read_text(encoding="utf-8"))
+    for path in re.findall(r"(?<!\*)\*([A-Z]\w+(?:(?:, | → | > )[A-Z]\w+)+)\*(?!\*)", text):
+        place = tuple(re.split(", | → | > ", path)[:2])
+        assert place in known, f"{name_of(page)} names {path}"
+
+
 @pytest.mark.slow
 def test_sections_are_where_pages_say() -> None:
     """Written as *Workspace, Section*, the names that the page shows from left to right."""
