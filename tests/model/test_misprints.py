@@ -155,7 +155,7 @@ def test_the_lift_speed_misprint_is_no_energy() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("preset", "percent"), [("paper-like", 11), ("arch", 31)])
+@pytest.mark.parametrize(("preset", "percent"), [("paper-like", 11), ("circle", 21), ("arch", 31)])
 def test_their_share_of_the_largest_torque_on_presets(preset: str, percent: int) -> None:
     motion = PRESET[preset].build(APPENDIX_4.geometry).sample()
     right = analyze(APPENDIX_4, motion).torque
