@@ -3,8 +3,8 @@
 Toward a singularity torques grow without bound, so the largest torque over a workspace would be
 that of whichever pose happens to come nearest, and no machine works there. A pose is too close
 where the condition number of the Jacobian is above a limit that can be set (type 2, and joint 5 on
-its leg axis), or where a pantograph is stretched, folded or over its axis but for
-`SERIAL_CLEARANCE` (type 1). Status, statistics of maps, sweeps, balance and reports use this.
+its leg axis), or where a pantograph is within `SERIAL_CLEARANCE` of being stretched or folded, or
+joint 5 of its leg axis (type 1). Status, statistics of maps, sweeps, balance and reports use this.
 """
 
 from __future__ import annotations
