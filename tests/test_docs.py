@@ -173,27 +173,13 @@ def test_tabs_that_texts_name_exist() -> None:
 
 @pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
 def test_paths_to_sections_that_pages_name_exist(page) -> None:
-    """A workspace and its section, such as *Robot, Load*; the folder *File > Export*."""
+    """A workspace and its section, as *Robot, Load* or in words; the folder *File > Export*."""
     known = {tuple(path.split("/")) for path in sections()} | {("File", "Export")}
     text = re.sub(r"\s+", " ", page.read_text(encoding="utf-8"))
-    for path in re.findall(r"(?<!\*)\*([A-Z]\w+(?:(?:, | → | > )[A-Z]\w+)+)\*(?!\*)", text):
-        place = tuple(re.split(", | → | > ", path)[:2])
-        assert place in known, f"{name_of(page)} names {path}"
-
-
-@pytest.mark.slow
-def test_sections_are_where_pages_say() -> None:
-    """Written as *Workspace, Section*, the names that the page shows from left to right."""
-    spaces = "|".join(one.name for one in WORKSPACES)
-    named: list[str] = []
-    for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        assert not re.findall(r"\*[A-Z]\w+ → \w+\*", text), name_of(page)
-        found = re.findall(rf"\*({spaces}),\s([A-Z]\w+)\*", text)
-        found += re.findall(rf"workspace\s\*({spaces})\*, section\s\*([A-Z]\w+)\*", text)
-        named += [f"{space}/{section}" for space, section in found]
-    assert len(named) >= 5
-    assert set(sections()).issuperset(named)
+    paths = re.findall(r"(?<!\*)\*([A-Z]\w+(?:(?:, | → | > )[A-Z]\w+)+)\*(?!\*)", text)
+    named = [tuple(re.split(", | → | > ", path)[:2]) for path in paths]
+    named += re.findall(r"workspace \*(\w+)\*, section \*(\w+)\*", text)
+    assert known.issuperset(named), f"{name_of(page)} names {named}"
 
 
 @pytest.mark.slow
