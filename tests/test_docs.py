@@ -18,7 +18,7 @@ import pytest
 import paminsa_viz
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.explorer.tabs import WORKSPACES, sections
+from paminsa_viz.explorer.tabs import sections
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
