@@ -76,7 +76,7 @@ def test_workspaces_and_their_sections_take_a_row_each_and_none_is_cut(tab: Tab)
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
     if tab.page.get_by_test_id("gallery").is_visible():  # another test has opened the folder
         tab.page.get_by_text("File", exact=True).first.click()
-    limit = tab.element("κ counts up to")
+    limit = tab.element("Largest condition number")
 
     def is_seen() -> bool:
         place = limit.bounding_box()

@@ -58,7 +58,7 @@ def test_pose_next_to_a_singularity_is_warned_of_and_the_limit_can_be_set(tab: T
     until(lambda: "Near a singularity" in tab.text("status"), "the status")
     assert "κ = 67.5 > 10" in tab.text("status")
     assert "35 mm from the singular circle" in tab.text("status")
-    field = tab.element("κ counts up to")
+    field = tab.element("Largest condition number")
     field.click()
     field.press_sequentially("70")
     field.press("Enter")

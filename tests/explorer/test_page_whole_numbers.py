@@ -14,7 +14,7 @@ from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
-X, Y, Z, MASS, LIMIT = "x  [mm]", "y  [mm]", "z  [mm]", "m₇ B3, B7 [kg]", "κ counts up to"
+X, Y, Z, MASS, LIMIT = "x  [mm]", "y  [mm]", "z  [mm]", "m₇ B3, B7 [kg]", "Largest condition number"
 NUMERIC = (viser.GuiNumberHandle, viser.GuiSliderHandle, viser.GuiVector2Handle)
 HINT = ".pv-field-hint"
 

@@ -137,7 +137,7 @@ def switch_entries(name: str, *, brief: bool) -> tuple[Entry, Entry]:
             **attribute("map_view.logarithmic"),
         ),
         Checkbox(
-            f"{name}.difference", "Δ ref." if brief else "Δ reference",
+            f"{name}.difference", "difference",
             hint="Show the difference from the pinned reference (pin one to use this)",
             disabled=lambda state: state.document.reference is None,
             read=lambda state: state.map_view.difference, apply=set_difference,

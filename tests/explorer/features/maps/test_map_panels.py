@@ -200,14 +200,14 @@ def test_range_is_set_in_the_unit_shown(desk: Desk) -> None:
 
 @pytest.mark.slow
 def test_difference_needs_a_reference(desk: Desk) -> None:
-    switch = desk.handle("Δ ref.")
+    switch = desk.handle("difference")
     assert switch.disabled
-    desk.set("Δ ref.", True)
+    desk.set("difference", True)
     desk.noticed("reference")
     desk.until(lambda: switch.value is False)
     desk.dispatch(actions.pin_reference)
     desk.until(lambda: not switch.disabled)
-    desk.set("Δ ref.", True)
+    desk.set("difference", True)
     desk.until(lambda: desk.panel._torques.data.names[0] == "Δτ₁")
     desk.dispatch(actions.unpin_reference)
     desk.until(lambda: switch.disabled and not switch.value)
