@@ -155,8 +155,8 @@ FILE: tuple[Entry, ...] = (
                 "file.about_code",
                 content=render(
                     "note.j2", testid="", muted=True,
-                    text="Design, pose, motion and reference in one line. Copy it to hand it on; "
-                    "paste another one over it to open that.",
+                    text="Design, pose, motion, reference and requirements in one line. Copy it to "
+                    "hand it on; paste another one over it to open that.",
                 ),
             ),
             TextBox(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 from uuid import uuid4
 
@@ -199,3 +199,8 @@ def test_broken_share_code_is_notified_and_changes_nothing(
     desk.noticed("share code")
     desk.until(lambda: desk.handle("file.code").value == shown)
     assert desk.state.document == before
+
+
+def test_note_on_the_share_code_names_all_that_a_document_has(desk: Desk) -> None:
+    said = desk.handle("file.about_code").content.lower()
+    assert [one.name for one in fields(Document) if one.name not in said] == []
