@@ -131,7 +131,10 @@ class Drive(Group, path="drive", limits=(1e-12, 1e9)):
 
     @property
     def reflected_friction(self) -> tuple[float, float]:
-        """Viscous and Coulomb friction at the actuator, N^2 b and N c [N m s/rad, N m]."""
+        """Viscous and Coulomb friction at the actuator, N^2 b and N c.
+
+        In [N m s/rad, N m] for M1..M3, in [N s/m, N] for M4.
+        """
         return self.ratio**2 * self.viscous, self.ratio * self.coulomb
 
     @property

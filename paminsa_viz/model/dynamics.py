@@ -42,8 +42,9 @@ class InverseDynamics(OfLimits):
     Attributes:
         torque: (..., 4) torques of M1..M3 [N m] and force of M4 [N]; friction and the inertia of
             drives included.
-        multipliers: (..., 4) Lagrange multipliers of s_1..s_4 (Eq. 15): forces on the platform
-            across the legs, and along z in units of Z [N].
+        multipliers: (..., 4) Lagrange multipliers lambda_i of s_1..s_4 (Eq. 15) [N]. As generalized
+            forces in (x, y, theta, z) they are sum_i lambda_i A_ij, see `closure_matrix`: the
+            first three act across the legs, the fourth along z by lambda_4/k.
         status: (...) values of `Limit`; ``SINGULAR`` where a torque has no bound.
         leg: (...) index of the leg that is the reason, -1 for none.
     """

@@ -163,6 +163,9 @@ def joint_rates(
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     shape, flat = together(pose=pose, velocity=velocity, acceleration=acceleration)
     p, v, a = (values.reshape(*shape, 4) for values in flat)
@@ -232,6 +235,9 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyMode
     Args:
         geometry: Lengths of the mechanism.
         actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     q = as_vectors(actuators, "actuators")
     beta = np.moveaxis(q[..., :3] + HEADINGS, -1, 0)[..., None]

@@ -123,6 +123,9 @@ def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
     Args:
         geometry: Lengths and limits.
         pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If a shape is another one, or a value is not real.
     """
     pose = as_vectors(pose, "pose")
     x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]

@@ -164,7 +164,15 @@ def _lengths_alone(field: Field, design: Design, tolerances: Tolerances) -> Desi
 
 @of_design
 def design_sensitivities(design: Design, pose: ArrayLike) -> Sensitivities:
-    """Return the first-order errors of a design's own legs at poses (..., 4)."""
+    """Return the derivatives of the platform's coordinates with a design's own legs.
+
+    Args:
+        design: The robot, with the deviations of its legs.
+        pose: (..., 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If the pose has another shape or is not real.
+    """
     lengths = design_lengths(design)
     if equal_legs(design):
         found = nominal_pose(design.geometry, pose)

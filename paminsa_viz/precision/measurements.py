@@ -98,7 +98,7 @@ def length_scales(design: Design) -> Array:
 
 @of_design
 def coordinate_scales(design: Design) -> Array:
-    """Return the lengths that turn the six coordinates into meters: 1 or R_pl."""
+    """Return the factors that turn the six coordinates into meters, (6,): 1 or R_pl [m/rad]."""
     radius = design.geometry.platform_radius
     return np.array([1.0, 1.0, radius, 1.0, radius, radius])
 

@@ -128,7 +128,9 @@ def solve_actuators(geometry: Geometry, lengths: ArrayLike, pose: ArrayLike) -> 
 
 
 class Sensitivities(NamedTuple):
-    """First-order errors of the platform at poses (...), with locked actuators.
+    """Derivatives of the platform's coordinates at poses (...), with locked actuators.
+
+    Times small deviations they are errors of the pose to first order.
 
     Attributes:
         lengths: (..., 6, 3 legs, 14) derivatives of `SIX_COORDINATES` by the lengths.
@@ -156,7 +158,7 @@ def nominal_pose(geometry: Geometry, pose: ArrayLike) -> UnequalPose:
 
 @of_geometry
 def sensitivities(geometry: Geometry, lengths: ArrayLike, solution: UnequalPose) -> Sensitivities:
-    """Return the first-order errors of legs (..., 3, 14) at solved poses.
+    """Return the derivatives of the platform's coordinates for legs (..., 3, 14) at solved poses.
 
     NaN where the bars cannot close or the pose is singular.
     """

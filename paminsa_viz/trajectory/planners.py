@@ -97,7 +97,7 @@ def circle(
     """Return a run along a circle, theta held.
 
     Args:
-        center: (4,) pose of the center.
+        center: (4,) pose of the center [m, m, rad, m].
         radius: [m].
         duration: [s].
         law: How the angle grows in time; a quintic by default.
@@ -140,10 +140,10 @@ def arch(
     """Return a pick-and-place arch: up, across, down, the three overlapping in time.
 
     Args:
-        start, goal: (4,) poses.
+        start, goal: (4,) poses [m, m, rad, m].
         height: How far the platform rises above the higher of the two [m].
         duration: [s].
-        law: TimeLaw of each of the three; a quintic by default.
+        law: Time law of each of the three; a quintic by default.
         lift_share: Share of the time spent going up, and as much going down; at most 1/2.
         overlap: Share of the lift during which the crossing already runs, from 0 to 1; with 0 the
             arch has corners, and stops there.
@@ -186,7 +186,7 @@ def via_points(
     It is the spline of fifth degree through the poses that starts and ends at rest.
 
     Args:
-        poses: (n, 4), at least two; neighbors have to differ.
+        poses: (n, 4), at least two [m, m, rad, m]; neighbors have to differ.
         duration: [s]; by default 1 s, or the span of ``times``.
         times: (n,) when each is passed, in any unit. By default each stretch gets time by the
             square root of its length, the first and the last a little more.

@@ -142,4 +142,4 @@ PRESETS: tuple[Preset, ...] = (
 """All presets, in the order in which a page offers them."""
 
 PRESET: dict[str, Preset] = {preset.key: preset for preset in PRESETS}
-"""The same by key."""
+"""All presets by key."""

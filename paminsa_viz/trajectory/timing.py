@@ -235,7 +235,7 @@ def shortest_stretch(
         InvalidInput: If nothing that moves is limited, torques are without a design, or a jerk is
             limited and the motion's acceleration jumps.
         ImpossibleTrajectory: If the robot cannot run the path.
-        InfeasibleMotion: If gravity alone exceeds a torque limit.
+        InfeasibleMotion: If gravity, with Coulomb friction where that adds, exceeds a torque limit.
     """
     if limits.needs_torques and design is None:
         raise InvalidInput("design", "limits of torque and force need a design")
