@@ -11,6 +11,7 @@ import ast
 import html
 import importlib
 import inspect
+import math
 import re
 import types
 import typing
@@ -45,6 +46,9 @@ from paminsa_viz.webpage import design_page
 FOLDER = Path(__file__).parent
 
 NOTE = "<!-- Written by docs/generate.py; change what it is made from instead. -->\n"
+
+PAPER_TABLES = ("geometry", "joints", "links", "inertias", "platform")
+"""Tables of a design file whose values are in the paper."""
 
 API = {
     "paminsa_viz": "What most scripts need, by its shortest name.",
@@ -86,8 +90,9 @@ def design_file() -> str:
         f"`{COMMAND} design default --out robot.toml` writes one to start from, "
         f"`{COMMAND} design check robot.toml` says whether it can be used and, if not, which line "
         "and key stand in the way.",
-        "A value that is left out is Appendix 4's. An unknown table or key is refused, so that a "
-        "typing error does not pass as the default; so is a number that no machine can have.",
+        "A value that is left out is Appendix 4's, or the default of this program for what the "
+        "paper does not have. An unknown table or key is refused, so that a typing error does not "
+        "pass as the default; so is a number that no machine can have.",
         "## At the top",
         _table(
             ("key", "meaning"),
@@ -111,7 +116,7 @@ def design_file() -> str:
                 f"## [{table}]",
                 _paragraphs(inspect.getdoc(group) or ""),
                 _table(
-                    ("key", "symbol", "meaning", "Appendix 4", "allowed"),
+                    ("key", "symbol", "meaning", _default_head(table), "allowed"),
                     [*(_key_row(key) for key in keys.values()), *choices],
                 ),
             ]
@@ -175,9 +180,16 @@ def _meaning(key: DesignKey) -> str:
     return f"{p.label} `{p.symbol}` [{p.unit}], {p.default:g}"
 
 
+def _default_head(table: str) -> str:
+    """Return whose values those of a table are where they are left out."""
+    return "Appendix 4" if table in PAPER_TABLES else "default"
+
+
 def _key_row(key: DesignKey) -> tuple[str, ...]:
     p = key.parameter
     default = "as l_B10" if p.path == "geometry.guide_stroke" else f"{p.default:g}"
+    if math.isinf(p.default):  # no file may have it: such a value is left out
+        default = "rigid"
     allowed = "any number" if p.signed else "above 0" if p.positive else "0 or more"
     if p.path == "geometry.magnification":
         allowed = "above 1"

@@ -19,6 +19,7 @@ import paminsa_viz
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
 from paminsa_viz.explorer.tabs import sections
+from paminsa_viz.files.design_file import read_design
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -169,6 +170,22 @@ def test_tabs_that_texts_name_exist() -> None:
     for path in (*PAGES, *sources):
         named = re.findall(r"\btabs? \*?([A-Z][a-z]+)", path.read_text(encoding="utf-8"))
         assert tabs.issuperset(named), f"{name_of(path)} names the tabs {named}"
+
+
+def test_defaults_in_the_reference_of_design_files_can_be_written() -> None:
+    text = (DOCS / "design-file.md").read_text(encoding="utf-8")
+    lines = ["schema_version = 1"]
+    for table, section in re.findall(r"^## \[(\w+)\]\n(.*?)(?=^## )", text, re.M | re.S):
+        rows = [line.strip("| ").split(" | ") for line in re.findall(r"^\| `.*$", section, re.M)]
+        given = [(row[0], row[3]) for row in rows if len(row) == 5]
+        lines.append(f"[{table}]")
+        lines += [
+            f"{key.strip('`')} = {default.strip('`')}"
+            for key, default in given
+            if default not in ("as l_B10", "rigid")
+        ]
+    assert len(lines) > 150
+    read_design("\n".join(lines), "reference.toml")
 
 
 @pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)

@@ -106,8 +106,9 @@ _WithBars: Any = make_dataclass("_WithBars", _bar_fields(), bases=(_Rigidities,)
 class Elastic(_WithBars):
     """What bends and by how much: not in the paper, documented defaults.
 
-    A stiffness that is None is infinite; a drive's is a number, and 1e18 as good as infinite. The
-    values of a section are the tube's until they are given.
+    A stiffness that is left open (None) is infinite, as of a rigid part; a drive's is always a
+    number, and 1e18 is as good as infinite. The values of a section are the tube's until they are
+    given.
 
     Raises:
         InvalidDesign: If a value is not possible, or an inner diameter not below the outer one.

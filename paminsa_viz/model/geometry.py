@@ -34,7 +34,7 @@ class KneeBranch(Enum):
 
 @dataclass(frozen=True)
 class Geometry(Group, path="geometry"):
-    """Lengths of the mechanism (Appendix 4), and ``knee``, the branch of its knees.
+    """Lengths of the mechanism (Appendix 4), and the branch of its knees.
 
     Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
     parallelogram, so they are no parameters of their own.
