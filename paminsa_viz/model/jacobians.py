@@ -104,8 +104,7 @@ def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
 def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return J, the inverse of `inverse_jacobian`, (..., 4, 4); not finite where it is singular.
 
-    Singular is what rounding cannot tell from it, see `singularity`. J is the general Jacobian of
-    Eq. 3: (x', y', theta', z') = J (theta_1', .., Z').
+    Singular is what rounding cannot tell from it, see `singularity`.
 
     J is the general Jacobian of Eq. 3: (x', y', theta', z') = J (theta_1', .., Z'). Its columns of
     M1..M3 are [m, m, 1] for x, y and theta, and 0 for z; the last one is (0, 0, 0, k). Arguments
