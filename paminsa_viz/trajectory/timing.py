@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -354,7 +354,7 @@ def _reshaped(
     from scipy.optimize import minimize_scalar  # slow to load
 
     near = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-    found = minimize_scalar(
+    found: Any = minimize_scalar(
         lambda logarithm: needed(gentler(logarithm)),
         bounds=near, method="bounded", options={"xatol": _SAME_RAMP},
     )  # fmt: skip
