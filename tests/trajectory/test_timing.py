@@ -152,7 +152,9 @@ def test_friction_that_brakes_is_counted_as_far_as_there_is_any(
         shortest_stretch(plan, limits, APPENDIX_4.vary({"friction.coulomb_linear": size}))
         for size in (0.0, 20.0)
     )
-    assert full.plan.duration <= found.plan.duration <= bare.plan.duration
+    # the same instant may decide all three: they differ by rounding then
+    shortest, longest = full.plan.duration * (1 - 1e-12), bare.plan.duration * (1 + 1e-12)
+    assert shortest <= found.plan.duration <= longest
 
 
 @pytest.mark.slow
