@@ -32,7 +32,7 @@ COMMANDS: dict[str, str] = {
     "trajectory": "required actuator torques of a motion; draw, simulate, write it",
     "drives": "find motors and gears for a motion; their feasible ratios",
     "loads": "forces at the joints and in the bars, at rest or along a motion; bearing loads",
-    "accuracy": "errors of the pose that the drives leave",
+    "accuracy": "errors of the pose that drives, tolerances and clearances leave",
     "calibrate": "identify each leg's lengths from measured poses; the corrected design",
     "excite": "find the motion that shows masses and friction best, for identify",
     "identify": "find masses, balance and friction of the built robot from a log",

@@ -38,10 +38,10 @@ tolerances, clearances and known deviations of the legs, at the pose.
   paminsa-viz accuracy --design driven.toml --encoders    counts of the design's own drives
 
 Half a count of the encoder, half the backlash and the controller's error add. Worst is the largest
-error in the corners of the box of M1 to M4, by exact forward kinematics; linear is the estimate
-|J| dq; RMS is to first order, for independent uniform errors. Near a singularity, or a limit of
-reach, the errors have no bound though the linear estimate has a number: the reason is printed. See
-docs/accuracy.md.
+error in the box of M1 to M4, by exact forward kinematics in its corners and along its edges; linear
+is the estimate |J| dq; RMS is to first order, for independent uniform errors. Near a singularity,
+or a limit of reach, the errors have no bound though the linear estimate has a number: the reason is
+printed. See docs/accuracy.md.
 
 Exit code: 0 done; 1 the errors at the pose have no bound; 2 a wrong argument or file, or a pose out
 of reach."""

@@ -54,10 +54,11 @@ the bounds do not allow it, those that come nearest. The other goals are about a
 inertia of added masses makes harder: the largest torque or the RMS torque of M1 to M3, or the
 energy that all four actuators put in.
 
-What may change, unless --change or --rail is given: the masses in M_p2, each only upward. A rail is
-a place for counterweights on each leg: a bar, the joint at one of its ends, from where to where
-beyond that joint (negative: on the bar itself), and the largest mass. A link's moments of inertia
-follow its mass.
+What may change, unless --change or --rail is given: the masses in M_p2, each only upward, without
+a change of moments of inertia, as by a weight at a bar's middle. With --change a link's moments
+of inertia follow its mass. A rail is a place for counterweights on each leg: a bar, the joint at
+one of its ends, from where to where beyond that joint (negative: on the bar itself), and the
+largest mass.
 
 Exit code: 0 done; 1 the bounds do not allow the goal (the line names what to relax), or the robot
 cannot run the motion; 2 a wrong argument or file."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from paminsa_viz.balancing import balance, whole_mass
+from paminsa_viz.balancing import balance, paper_changes, whole_mass
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 from paminsa_viz.trajectory import PRESET, analyze
@@ -37,6 +37,18 @@ def test_the_design_is_written_with_its_counterweights(capsys) -> None:
     # balanced already: nothing is added
     found = run_json(capsys, "--design", "balanced.toml")
     assert found["objective"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_inertias_follow_masses_that_are_named_and_stay_by_default(capsys) -> None:
+    """As the help says."""
+    assert run(capsys, "--change", "links.b7", "0.1", "8", "--out", "b7.toml")[0] == 0
+    design = load_design("b7.toml")
+    grown = design.links.b7 / APPENDIX_4.links.b7
+    assert grown > 10
+    assert design.inertias.b7_transverse == pytest.approx(
+        grown * APPENDIX_4.inertias.b7_transverse, rel=1e-12
+    )
+    assert not any(mass.inertia_follows for mass in paper_changes(APPENDIX_4).masses)
 
 
 def test_json_is_the_models_result(capsys) -> None:
