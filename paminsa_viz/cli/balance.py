@@ -45,7 +45,7 @@ Find the masses that balance the robot best, within bounds, and prove that none 
 
   paminsa-viz balance                                    the paper's balance of Appendix 4's robot
   paminsa-viz balance --rail b3 7 0 200 5 --out balanced.toml
-  paminsa-viz balance --change joints.j7 0.2 2 --change links.b4 0.5 0.8 --exact
+  paminsa-viz balance --change joints.j7 0.2 3 --change links.b4 0.5 0.8 --exact
   paminsa-viz balance --goal peak --preset arch --rail b8 8 0 150 4 --max-imbalance 2
 
 Static balance (M_p2 = 0, Eq. 8) takes gravity off M1, M2 and M3 in every pose. Of all masses that

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from paminsa_viz.balancing import balance, paper_changes, whole_mass
+from paminsa_viz.cli.balance import DESCRIPTION
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 from paminsa_viz.trajectory import PRESET, analyze
@@ -37,6 +39,15 @@ def test_the_design_is_written_with_its_counterweights(capsys) -> None:
     # balanced already: nothing is added
     found = run_json(capsys, "--design", "balanced.toml")
     assert found["objective"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_examples_of_the_help_can_be_had(capsys) -> None:
+    lines = re.findall(r"^  paminsa-viz balance(.*)$", DESCRIPTION, re.M)
+    assert len(lines) == 4
+    for line in lines:
+        words, _, _ = line.partition("   ")  # what an example is about stands behind it
+        assert run(capsys, *words.split())[0] == 0, words
 
 
 def test_inertias_follow_masses_that_are_named_and_stay_by_default(capsys) -> None:
