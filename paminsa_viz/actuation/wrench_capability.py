@@ -100,7 +100,8 @@ DEFAULT_LIMITS: tuple[OutputLimits, ...] = (
     OutputLimits(peak=1000.0, rated=1000.0, speed=0.25),
 )
 """Limits of an actuator that no drive limits: 20 N m and 3 rad/s of M1..M3, 1000 N and 0.25 m/s of
-M4. No product's: twice what the presets' motions require at Appendix 4, rounded."""
+M4. Not those of a product: the presets' motions require at most 5.5 N m, 2.7 rad/s, 290 N and 0.16
+m/s of Appendix 4's robot."""
 
 
 class ActuatorLimits(NamedTuple):

@@ -38,6 +38,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.trajectory import PRESETS, analyze
 from tests.support import samples
 
 LOAD = LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04)
@@ -363,6 +364,18 @@ def test_limits_are_the_drives_or_the_default() -> None:
         limits = actuator_limits(replace(APPENDIX_4, drives=(drive, None, None, None)))
         assert limits.peak[0] == limits.rated[0] == 0.5
     assert actuator_limits(one).rated[1] == DEFAULT_LIMITS[1].rated
+
+
+@pytest.mark.slow
+def test_default_limits_are_above_what_presets_require_as_stated() -> None:
+    found = [analyze(APPENDIX_4, one.build(APPENDIX_4).sample()) for one in PRESETS]
+    torque = np.max([np.abs(one.torque).max(axis=0) for one in found], axis=0)
+    speed = np.max([np.abs(one.solved.speed).max(axis=0) for one in found], axis=0)
+    required = (torque[:3].max(), speed[:3].max(), torque[3], speed[3])
+    np.testing.assert_allclose(required, (5.5, 2.7, 290.0, 0.16), rtol=0.03)
+    limits = actuator_limits(APPENDIX_4)
+    assert (torque < limits.rated).all()
+    assert (speed < limits.speed).all()
 
 
 def test_a_map_has_the_same_capability_as_its_poses() -> None:
