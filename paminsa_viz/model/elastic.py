@@ -1,8 +1,8 @@
 """Elastic data of a design: material, sections of the bars, stiffness of drives, joints and guides.
 
 None of it is in the paper. The defaults are chosen, not measured: tubes of an aluminum alloy that
-weigh what Appendix 4 gives for the links, to 1 %; drives as strain-wave gears of size 17 and a ball
-screw of 16 mm have them; joints and guides rigid.
+weigh what Appendix 4 gives for the links, to 0.5 %; drives as strain-wave gears of size 17 and a
+ball screw of 16 mm have them; joints and guides rigid.
 """
 
 from __future__ import annotations
