@@ -1,7 +1,7 @@
 """The corrected formulas against MuJoCo, an independent physics engine (paper: Figs. 6 and 7).
 
-Needs `pip install 'paminsa-viz[verify]'`. `paminsa-viz verify` does more: two engines, the formulas
-as published, a simulation, figures and a verdict.
+MuJoCo is part of the installation. `paminsa-viz verify` does more: a second engine, Pinocchio (`pip
+install 'paminsa-viz[verify]'`), each misprint by itself, a simulation, figures and a verdict.
 """
 
 import numpy as np
