@@ -37,7 +37,8 @@ class Geometry(Group, path="geometry"):
     """Lengths of the mechanism (Appendix 4), and the branch of its knees.
 
     Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
-    parallelogram, so they are no parameters of their own.
+    parallelogram, so they are no parameters of their own. The knee of each leg is the lower or the
+    upper one.
     """
 
     magnification: float = parameter(3.0, "k", "", "pantograph magnification factor", positive=True)
