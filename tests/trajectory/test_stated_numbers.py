@@ -84,8 +84,8 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         "The pieces next to a crossing are halved three times",
         f"a cosine between path and t_s below {program.STEEP:g}",
         "there are twice as many pieces, halved six times",
-        f"halved {program.REFINEMENTS[1]} and then {program.REFINEMENTS[2]} times instead "
-        f"({program.STEEP_REFINEMENTS[1]} and then {program.STEEP_REFINEMENTS[2]} times in the",
+        f"halved {program.REFINEMENTS[1]} and then {program.REFINEMENTS[2]} times; where a ≈ 0, "
+        f"{program.STEEP_REFINEMENTS[1]} and then {program.STEEP_REFINEMENTS[2]} times",
         f"Points are added {TIGHTENED} times at most",
         f"up to {WIDEST:g} of the path to both sides",
         f"is moved by {1e6 * OFF_CROSSING:g} µs",
