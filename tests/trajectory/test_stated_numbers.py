@@ -64,9 +64,10 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     motions = [
         f"nearer than the clearance ({1e3 * SINGULAR_CLEARANCE:g} mm unless another is given)",
         f"a quadratic spline of some {PIECES} pieces, {LEAST} at least between",
-        f"in between (at {LOOKED_AT} places of each piece) by more than {100 * EXCEEDED:g} %, "
-        f"until another program would save less than {100 * SETTLED:g} %, {ROUNDS} of them at most",
-        f"the motion is looked at at {FINE} places of each piece",
+        f"in between ({LOOKED_AT} places of each piece are looked at) by more than "
+        f"{100 * EXCEEDED:g} % of the duration, points are added",
+        f"up to {ROUNDS} of them, until another one would save less than {100 * SETTLED:g} %",
+        f"the motion is checked at {FINE} places of each piece",
         f"in {check._BETWEEN} parts (all of them for up to {check._FEW} samples",
         f"({1e3 * simulation.PANTOGRAPH_CLEARANCE:g} mm before a pantograph is stretched",
         f"steps of at most {1e3 * simulation._LONGEST_STEP:g} ms with an error of "
