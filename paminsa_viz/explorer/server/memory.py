@@ -63,6 +63,7 @@ class Memory:
         if self.rests:
             Memory.rests = False
             self._left_alone = True
+            gc.collect()
             gc.freeze()
             gc.enable()
 
