@@ -28,16 +28,16 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import NO_DRIVES
 from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.trajectory.limits import MotionLimits
-from paminsa_viz.trajectory.paths import TimedPath, TracedPath
-from paminsa_viz.trajectory.planners import PLACE
-from paminsa_viz.trajectory.timing import (
+from paminsa_viz.trajectory.durations import (
     coulomb_friction,
     coulomb_share,
     drive_lines,
     needed_durations,
     torque_parts,
 )
+from paminsa_viz.trajectory.limits import MotionLimits
+from paminsa_viz.trajectory.paths import TimedPath, TracedPath
+from paminsa_viz.trajectory.planners import PLACE
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

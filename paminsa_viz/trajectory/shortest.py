@@ -19,16 +19,12 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
+from paminsa_viz.trajectory.durations import limit_of, needed_durations
 from paminsa_viz.trajectory.law_program import LawProgram
 from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
 from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.plan import Plan
-from paminsa_viz.trajectory.timing import (
-    ShortestStretch,
-    limit_of,
-    needed_durations,
-    shortest_stretch,
-)
+from paminsa_viz.trajectory.timing import ShortestStretch, shortest_stretch
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -1,24 +1,13 @@
-"""The shortest duration of a motion within limits.
+"""The shortest duration of a motion within limits: the largest of what its instants need.
 
-Stretched in time, a motion keeps its poses: speeds divide by the duration T, accelerations by T^2,
-jerks by T^3. The actuators' torques are exactly
-
-    Q(u; T) = gravity(u) + friction(u; T) + dynamic(u) / T^2,
-
-where gravity includes the design's load, the dynamic part holds inertia and velocity terms, both of
-second order in 1/T, and viscous friction is of first order. So with a given Coulomb friction every
-instant u has its own shortest duration in closed form, and that of the motion is the largest of
-them. Coulomb friction fades with the speed (`Friction.transition_speed`): where it adds to a torque
-it is counted in full, where it takes some off, as much as there is in that duration.
+What an instant needs is in `durations`. The motion keeps its poses, or changes its ramps for it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,97 +15,23 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import NO_DRIVES, Drive
-from paminsa_viz.model.dynamics import inverse_dynamics
-from paminsa_viz.model.jacobians import actuator_acceleration, actuator_velocity
-from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
+from paminsa_viz.trajectory.durations import (
+    FIRST_OF_DRIVES,
+    coulomb_friction,
+    limit_of,
+    needed_durations,
+    torque_parts,
+)
 from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
-from paminsa_viz.trajectory.plan import Blend, Plan, UnitCurve
+from paminsa_viz.trajectory.plan import Blend, Plan
 from paminsa_viz.trajectory.planners import PLACE
+from paminsa_viz.trajectory.supremum import nodes, supremum
 from paminsa_viz.trajectory.time_laws import TimeLaw, fit_law
 
-# ------------------------------------------------------------------ the largest value along a curve
-
-NODES = 480
-"""Instants looked at first, shared between the pieces of a curve, some to each."""
-
-LEAST_NODES = 24
-
-GAP = 1e-12
-"""How far from a break its two sides are looked at."""
-
-_SLACK = 0.02  # local maxima this close to the largest are followed up
-_PARTS = 16
-_ROUNDS = 10
-
-
-class Supremum(NamedTuple):
-    """The largest value found, where, and in which column of the function's values."""
-
-    value: float
-    u: float
-    column: int
-
-
-def nodes(breaks: Array) -> Array:
-    """Return instants between breaks, both sides of each among them, increasing."""
-    each = max(LEAST_NODES, NODES // max(1, len(breaks) - 1))
-    pieces = [
-        np.linspace(begin + GAP, end - GAP, each)
-        for begin, end in pairwise(breaks)
-        if end - begin > 4 * GAP
-    ]
-    return np.concatenate([[breaks[0]], *pieces, [breaks[-1]]])
-
-
-def supremum(function: Callable[[Array], Array], breaks: Array) -> Supremum:
-    """Return the largest value of a function (n,) -> (n, columns) that is smooth between breaks.
-
-    Brackets around every local maximum that may be the largest are cut into parts again and again,
-    until they are a 1e-12th of a first step wide. Infinite values are fine, NaN are not.
-    """
-    u = nodes(breaks)
-    values = function(u)
-    top = values.max(axis=1)
-    best = _best(values, u)
-    if not np.isfinite(best.value) or best.value <= 0:
-        return best
-    high = top >= (1.0 - _SLACK) * best.value
-    left = np.concatenate([[-np.inf], top[:-1]])
-    right = np.concatenate([top[1:], [-np.inf]])
-    peaks = np.flatnonzero(high & (top >= left) & (top >= right))
-    low = u[np.maximum(peaks - 1, 0)]
-    up = u[np.minimum(peaks + 1, len(u) - 1)]
-    share = np.linspace(0.0, 1.0, _PARTS + 1)
-    for _ in range(_ROUNDS):
-        if low.size == 0:
-            break
-        inside = low[:, None] + (up - low)[:, None] * share
-        values = function(inside.ravel())
-        best = max(best, _best(values, inside.ravel()), key=lambda found: found.value)
-        if not np.isfinite(best.value):
-            break
-        top = values.max(axis=1).reshape(inside.shape)
-        which = np.argmax(top, axis=1)
-        rows = np.arange(len(low))
-        kept = top[rows, which] >= (1.0 - _SLACK) * best.value
-        low = inside[rows, np.maximum(which - 1, 0)][kept]
-        up = inside[rows, np.minimum(which + 1, _PARTS)][kept]
-    return best
-
-
-def _best(values: Array, u: Array) -> Supremum:
-    row, column = divmod(int(np.argmax(values)), values.shape[1])
-    return Supremum(float(values[row, column]), float(u[row]), column)
-
-
-# -------------------------------------------------------------------------- durations within limits
-
-_ROUNDING = 1e-12  # share by which a duration is longer than required, against rounding
-_FADED = 8
-"""Times that friction is worked out for the duration it leaves, the first without any."""
+_ROUNDING = 1e-12
+"""Share by which a duration is longer than required, against rounding."""
 
 _RATES_DECIDE = 1e-9
 """Share by which a law may need more time than its rates do, and be the shortest nonetheless."""
@@ -132,9 +47,6 @@ _RAMPS = 13
 
 _SAME_RAMP = 1e-4
 """Share to which the best ramps are found."""
-
-_INSTANT = 1e-300
-"""Least duration that a speed is divided by."""
 
 
 @dataclass(frozen=True)
@@ -276,36 +188,6 @@ def shortest_stretch(
     )  # fmt: skip
 
 
-def limit_of(column: int, limits: MotionLimits, design: Design | None) -> float:
-    """Return a limit by its place in `limits.LIMITED`, in its unit."""
-    rows = [
-        *limits.rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design),
-        *_gear_peaks(design),
-    ]  # fmt: skip
-    return float(rows[column])
-
-
-def needed_durations(
-    curve: UnitCurve,
-    limits: MotionLimits,
-    design: Design | None,
-    drives: bool,
-    misprints: Misprint = Misprint.NONE,
-) -> Callable[[Array], Array]:
-    """Return what gives the durations that limits require at instants (n,), (n, columns) [s].
-
-    The columns are those of `limits.LIMITED`, as far as a design is given and its drives are kept.
-    """
-    parts: list[Callable[[Array], Array]] = [partial(_rate_durations, curve, limits.rates)]
-    driven = drives and design is not None and any(design.drives)
-    if design is not None and (driven or limits.needs_torques):
-        torques = partial(_torque_durations, curve, limits.actuators, design, misprints)
-        parts.append(torques)
-    if design is not None and driven:
-        parts.append(_drive_durations(curve, design, misprints))
-    return lambda u: np.concatenate([part(u) for part in parts], axis=1)
-
-
 def _reshaped(
     plan: Plan, limits: MotionLimits, needed_by: Callable[[Plan], Callable[[Array], Array]]
 ) -> Plan:
@@ -359,187 +241,3 @@ def _reshaped(
         bounds=near, method="bounded", options={"xatol": _SAME_RAMP},
     )  # fmt: skip
     return min((steepest, gentler(float(found.x)), gentler(grid[best]), plan), key=needed)
-
-
-def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:
-    """Return the durations that limits (3, 2) require at instants (n,), (n, 6) [s]."""
-    found = []
-    for order in (1, 2, 3):
-        rate = curve(u, order)
-        size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
-        found.append((size / limits[order - 1]) ** (1.0 / order))
-    return np.concatenate(found, axis=1)
-
-
-def torque_parts(
-    curve: Callable[[Array, int], Array], design: Design, misprints: Misprint, u: Array
-) -> tuple[Array, Array, Array]:
-    """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4).
-
-    They are without Coulomb friction.
-    """
-    plain = design.without_friction()
-    pose, rate, growth = curve(u, 0), curve(u, 1), curve(u, 2)
-    still = np.zeros_like(pose)
-    gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
-    weightless = replace(plain, gravity=0.0, load=NO_LOAD)
-    dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
-    viscous = np.array(design.actuator_friction.viscous)
-    return gravity, viscous * actuator_velocity(design, pose, rate), dynamic
-
-
-def coulomb_friction(
-    curve: Callable[[Array, int], Array], design: Design, u: Array, duration: Array | None = None
-) -> Array:
-    """Return Coulomb friction along a curve that takes durations (n, 1) or (n, 4), as (n, 4).
-
-    Without a duration it is counted in full wherever an actuator moves.
-    """
-    friction = design.actuator_friction
-    speed = actuator_velocity(design, curve(u, 0), curve(u, 1))
-    return np.array(friction.coulomb) * coulomb_share(design, speed, duration)
-
-
-def coulomb_share(design: Design, speed: Array, duration: Array | None) -> Array:
-    """Return the share of Coulomb friction that acts, -1 to 1, see `coulomb_friction`."""
-    if duration is None:
-        return np.sign(speed)
-    return np.tanh(speed / np.maximum(duration * design.friction.transition_speed, _INSTANT))
-
-
-def _where_friction_fades(needed: Callable[[Array | None], Array], design: Design) -> Array:
-    """Return the durations that are needed with the friction that there is in them.
-
-    ``needed`` gives those (n, columns) with the friction of durations (n, 4); the first and the
-    last four columns are those of torques of M1 to M4. A longer duration has less friction, so that
-    from those without any on each is one that will do.
-    """
-    full = needed(None)
-    if not any(design.actuator_friction.coulomb):
-        return full
-    longest = np.full_like(full, np.inf)
-    for _ in range(_FADED):
-        longest = np.maximum(full, needed(np.maximum(longest[:, :4], longest[:, -4:])))
-    return longest
-
-
-FIRST_OF_DRIVES = LIMITED.index("torque-speed envelope of M1")
-"""Place of the drives' limits among the columns of durations."""
-
-
-def _motor_speeds(design: Design | None) -> list[float]:
-    """Return the top speeds of the drives' motors, (4,) [rad/s]; infinite where there is none."""
-    if design is None:
-        return [np.inf] * 4
-    return [
-        np.inf if drive is None else one.speed * drive.ratio
-        for drive, one in zip(design.drives, design.output_limits, strict=True)
-    ]
-
-
-def _gear_peaks(design: Design | None) -> list[float]:
-    """Return the peak loads of the drives' gears, at the actuators, (4,); infinite without one."""
-    drives = NO_DRIVES if design is None else design.drives
-    return [np.inf if drive is None else drive.gear_limits.peak for drive in drives]
-
-
-def _drive_durations(
-    curve: UnitCurve, design: Design, misprints: Misprint
-) -> Callable[[Array], Array]:
-    """Return the durations that the drives require, as a function (n,) -> (n, 12) [s].
-
-    The columns are envelopes, speeds and gears of M1 to M4. With w = 1/T the load, the motor's own
-    torque and its speed are polynomials in w, and so is each line of the envelope; see `_longest`.
-    """
-    plain = replace(design, drives=NO_DRIVES)
-    speeds = np.array([one.speed for one in design.output_limits])
-
-    def durations(u: Array) -> Array:
-        still, *others = torque_parts(curve, plain, misprints, u)
-        pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
-        speed = actuator_velocity(design, pose, rate)
-        turned = actuator_acceleration(design.geometry, pose, rate, growth)
-
-        def needed(duration: Array | None) -> Array:
-            load = (still + coulomb_friction(curve, plain, u, duration), *others)
-            return with_friction(load, speed, turned, coulomb_share(design, speed, duration))
-
-        return _where_friction_fades(needed, design)
-
-    def with_friction(load: tuple[Array, ...], speed: Array, turned: Array, acting: Array) -> Array:
-        found = np.zeros((len(speed), 12))
-        found[:, 4:8] = np.abs(speed) / speeds
-        for j, drive in enumerate(design.drives):
-            if drive is None:
-                continue
-            viscous, coulomb = drive.reflected_friction
-            inertia = drive.reflected_inertia * turned[:, j]
-            own = (coulomb * acting[:, j], viscous * speed[:, j], inertia)
-            for limit, fall, lossy, counted in drive_lines(drive, speed[:, j]):
-                for sign in (1.0, -1.0):
-                    needed = []
-                    for share in lossy:
-                        constant, first, second = (
-                            sign * (share * part[:, j] + counted * o)
-                            for part, o in zip(load, own, strict=True)
-                        )
-                        first = first + fall * np.abs(speed[:, j])
-                        needed.append(_longest(limit - constant, first, second))
-                    # that is the larger of the two at a positive speed: below a limit if both are
-                    along = sign * speed[:, j] > 0
-                    least = np.where(along, np.max(needed, axis=0), np.min(needed, axis=0))
-                    column = j if counted else 8 + j
-                    found[:, column] = np.maximum(found[:, column], least)
-        return found
-
-    return durations
-
-
-def drive_lines(
-    drive: Drive, speed: Array
-) -> Iterator[tuple[float, float, tuple[Array, ...], float]]:
-    """Yield the limits of a drive, |share load + counted own| + fall |speed| <= limit.
-
-    Args:
-        drive: The drive.
-        speed: (n,) of the actuator; its sign matters.
-
-    Yields:
-        Limit and fall at the actuator, the shares (n,) of which the larger one counts at a positive
-        speed and the smaller one at a negative, and whether the motor's own torque counts.
-    """
-    # behind the gear the load is T/eta where the motor drives and T eta where the load does
-    eta = np.where(speed == 0, 1.0, drive.total_efficiency)
-    shares = (1 / eta, eta) if drive.total_efficiency < 1 else (eta,)
-    lines = [(a * drive.ratio, s * drive.ratio**2, shares, 1.0) for a, s in drive.lines]
-    lines.append((drive.gear_limits.peak, 0.0, (np.ones_like(eta),), 0.0))
-    yield from (line for line in lines if not np.isinf(line[0]))
-
-
-def _longest(room: Array, first: Array, second: Array) -> Array:
-    """Return 1/w for the smallest w > 0 with first w + second w^2 = room; infinite without room."""
-    with np.errstate(all="ignore"):
-        square = first**2 + 4.0 * second * room
-        needed = np.where(square >= 0, (first + np.sqrt(square)) / (2.0 * room), 0.0)
-    return np.where(room > 0, np.maximum(needed, 0.0), np.inf)
-
-
-def _torque_durations(
-    curve: UnitCurve, limits: Array, design: Design, misprints: Misprint, u: Array
-) -> Array:
-    """Return the durations that limits (4,) require at instants (n,), (n, 4) [s].
-
-    With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
-    and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.
-    """
-    still, first, second = torque_parts(curve, design, misprints, u)
-
-    def needed(duration: Array | None) -> Array:
-        constant = still + coulomb_friction(curve, design, u, duration)
-        longest = np.zeros_like(constant)
-        for sign in (1.0, -1.0):
-            each = _longest(limits - sign * constant, sign * first, sign * second)
-            longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, each))
-        return longest
-
-    return _where_friction_fades(needed, design)

@@ -21,7 +21,7 @@ from paminsa_viz.trajectory import (
     round_trip,
     via_points,
 )
-from paminsa_viz.trajectory.timing import GAP
+from paminsa_viz.trajectory.supremum import GAP
 from tests.support.samples import with_knee
 
 A = np.array([-0.08, 0.03, -0.3, -0.55])

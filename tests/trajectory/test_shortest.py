@@ -24,11 +24,11 @@ from paminsa_viz.trajectory import (
     shortest_stretch,
     via_points,
 )
+from paminsa_viz.trajectory.durations import needed_durations
 from paminsa_viz.trajectory.law_program import LawProgram
 from paminsa_viz.trajectory.limits import LIMITED, UNITS
 from paminsa_viz.trajectory.paths import TimedPath, TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
-from paminsa_viz.trajectory.timing import needed_durations
 from tests.trajectory.plans import FRICTION, LAWS, A, B, all_plans, dense, place
 from tests.trajectory.test_timing import BENT, HEAVY, SERVO, driven, shares, used
 
