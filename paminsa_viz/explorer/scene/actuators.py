@@ -133,9 +133,10 @@ def torque_arrows(frame: Frame) -> Iterator[Node]:
     places = (*_arc_places(geometry), lift)
     for index, fraction in enumerate(fractions):
         if np.isfinite(fraction) and abs(fraction) > 1e-4:
-            # an arc is about its motor, which is as large in a small robot
-            arc, straight = max(size, 1.0), size
-            shape = arc * arc_arrow(fraction) if index < 3 else straight * force_arrow(fraction)
+            if index < 3:  # about its motor, which is as large in a small robot
+                shape = max(size, 1.0) * arc_arrow(fraction)
+            else:
+                shape = size * force_arrow(fraction)
             color = palette.ACTUATOR_COLORS[index]
             yield mesh(
                 f"/efforts/m{index + 1}", shape, FACES, color,

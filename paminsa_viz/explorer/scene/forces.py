@@ -129,7 +129,7 @@ def load_arrows(frame: Frame) -> Iterator[Node]:
     full = full_moment(max(abs(load.moment_z), moment))
     size = symbol_size(design.geometry)
     if any(load.wrench[:3]):
-        yield arrows("/load/force", arrow, LOAD_COLOR, (0.005 * size, 0.012 * size, 0.03 * size))
+        yield arrows("/load/force", arrow, LOAD_COLOR, (0.005, 0.012, 0.03), size)
     if load.moment_z:
         arc = size * arc_arrow(load.moment_z / full)
         yield mesh("/load/moment", arc, FACES, LOAD_COLOR, place=pose[[0, 1, 3]])

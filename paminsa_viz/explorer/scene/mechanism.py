@@ -187,8 +187,8 @@ def weights(frame: Frame) -> Iterator[Node]:
         points = mass_centers(frame.shown_design, frame.configuration)
         size = symbol_size(frame.shown_design.geometry)
         found = gravity_arrows(points, frame.shown_design.gravity, size)
-        widths = (0.0028 * size, 0.0075 * size, 0.018 * size)
-        yield arrows("/masses/gravity", found, frame.state.theme.ink, widths)
+        sizes = (0.0028, 0.0075, 0.018)
+        yield arrows("/masses/gravity", found, frame.state.theme.ink, sizes, size)
 
 
 def weights_meaning(frame: Frame) -> LegendRow:

@@ -93,9 +93,23 @@ def curves(
     return lines(name, np.concatenate([np.zeros((0, 2, 3)), *parts]), color, width)
 
 
-def arrows(name: str, points: ArrayLike, color: str, sizes: tuple[float, float, float]) -> Node:
-    """Return arrows (n, 2, 3) [m]; sizes are the shaft's radius, the head's, its length [m]."""
-    shaft, head, length = sizes
+def arrows(
+    name: str,
+    points: ArrayLike,
+    color: str,
+    sizes: tuple[float, float, float],
+    times: float = 1.0,
+) -> Node:
+    """Return arrows (n, 2, 3) [m].
+
+    Args:
+        name: Scene name.
+        points: Where they start and end.
+        color: ``#rrggbb``.
+        sizes: Radius of the shaft, radius and length of the head [m].
+        times: By what those are multiplied, see `sizes.symbol_size`.
+    """
+    shaft, head, length = (times * size for size in sizes)
     live = {"points": np.asarray(points, np.float32), "colors": linear_colors(color)[0]}
     live |= {"shaft_radius": shaft, "head_radius": head, "head_length": length}
     return Node(name, "arrows", live)

@@ -78,8 +78,8 @@ def joint_arrows(frame: Frame) -> Iterator[Node]:
     forces = forces_at(at)
     found, scale = force_arrows(forces, frame.configuration)
     size = symbol_size(frame.configuration.geometry)
-    sizes = (0.0035 * size, 0.009 * size, 0.022 * size)
-    yield arrows("/joint_forces/arrows", found, frame.state.theme.ink, sizes)
+    sizes = (0.0035, 0.009, 0.022)
+    yield arrows("/joint_forces/arrows", found, frame.state.theme.ink, sizes, size)
     found = forces.magnitude
     leg, index = np.unravel_index(int(found.argmax()), found.shape)
     text = f"largest {number(float(found.max()), 3)} N at joint {JOINTS[index].label}"

@@ -54,7 +54,7 @@ def escape_arrows(frame: Frame) -> Iterator[Node]:
         return
     geometry = state.document.design.geometry
     twists, size = twist_arrows(geometry, found), symbol_size(geometry)
-    yield arrows("/escape/arrows", twists, BAD, (0.006 * size, 0.014 * size, 0.035 * size))
+    yield arrows("/escape/arrows", twists, BAD, (0.006, 0.014, 0.035), size)
     for index, item in enumerate(found.crossings):
         x, y, _, z = item.crossing.pose
         text = f"Escape twist at the {item.crossing.locus.label}"
