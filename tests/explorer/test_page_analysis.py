@@ -65,6 +65,9 @@ def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> No
     assert before is not None
     result = tab.page.get_by_test_id("stiffness-result")
     result.get_by_text(shown(before.frequencies[0], "Hz", 4)).first.wait_for()
+    weights = "rows => rows.map(row => getComputedStyle(row.cells[0]).fontWeight)"
+    modes = result.get_by_role("table").nth(1).locator("tr").evaluate_all(weights)
+    assert [weight == "600" for weight in modes[1:]] == [True, *[False] * 5]  # the chosen one
 
     tab.page.get_by_label("Animate mode").check(force=True)
     seen: set[float] = set()

@@ -86,7 +86,7 @@ def bars(frame: Frame) -> str:
         return ""
     view = frame.state.loads.settings
     table = of_leg(bars_table(*bars_at(instant(frame.state))), view.leg)
-    return blocks_html("loads-bars", table, look="pv-drives", chosen=BARS.index(view.bar))
+    return blocks_html("loads-bars", table, chosen=BARS.index(view.bar))
 
 
 def motion(frame: Frame) -> str:
