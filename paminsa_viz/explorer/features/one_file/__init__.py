@@ -69,6 +69,12 @@ FORMULAS = (
 SHOWN_TABS = ("Lengths", "Masses", "Load")
 """Sections of the design's numbers that change what the page shows."""
 
+SCRIPTS = (
+    "documents", "robot", "motion", "bodies", "scene", "view", "numbers", "pictures", "maps",
+    "playback", "page",
+)  # fmt: skip
+"""What the page runs, a file each, in this order."""
+
 ONLY_SERVED = (
     "motions of your own, balance, springs, tolerances, drives, accuracy, stiffness, clearance, "
     "identification, requirements, synthesis and all exports"
@@ -91,14 +97,7 @@ def one_file(document: Document) -> str:
         "STYLE": _colors(":root", LIGHT) + _colors(":root.dark", DARK) + _text("page.css"),
         "DATA": json.dumps(_data(document), ensure_ascii=False).replace("<", "\\u003c"),
         "FORMULAS": _formulas(),
-        "ROBOT": _text("robot.js"),
-        "MOTION": _text("motion.js"),
-        "PLAYBACK": _text("playback.js"),
-        "BODIES": _text("bodies.js"),
-        "SCENE": _text("scene.js"),
-        "VIEW": _text("view.js"),
-        "PICTURES": _text("pictures.js"),
-        "PAGE": _text("page.js"),
+        "SCRIPTS": "\n".join(_text(f"{name}.js").rstrip() for name in SCRIPTS),
     }
     return re.sub(r"@([A-Z]+)@", lambda found: parts[found[1]], _text("page.html"))
 

@@ -53,10 +53,9 @@ const drawCurves = (canvas, curves, times, now, unit) => {
 
 /**
  * Make the motion's controls. `current` gives the robot and its document, `move` puts the platform
- * somewhere, `release` ends a change, `fill` writes a table, `number` a number.
+ * somewhere, `release` ends a change.
  */
-const createPlayback = ({ current, request, move, release, fill, number }) => {
-  const find = (id) => document.getElementById(id);
+const createPlayback = ({ current, request, move, release }) => {
   const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
   find("preset").append(option("", "none"), ...PAGE.motions.presets.map(({ key, label }) => option(key, label)));
   find("law").append(...Object.keys(PAGE.motions.laws).map((name) => option(name, name)));
