@@ -1,6 +1,7 @@
 /** The maps of static torques: what is solved, drawn, pointed at and saved. */
-const CELLS = 81; // cells of a map along each side
-const WHILE_MOVED = 41; // the same while something is moved, where the maps are slow
+const CELLS = 161; // cells of a map along each side
+const WHILE_MOVED = 81; // the same while something is moved
+const WHERE_SLOW = 41; // the same where that takes long
 const SLOW = 30; // time of three maps from which they are made coarser while moved [ms]
 
 /**
@@ -12,7 +13,7 @@ const createMaps = ({ current, move, begin }) => {
   const titles = [];
   let solved = null; // the maps' pictures, and the torque that ends their colors
   let key = "";
-  let spent = 0;
+  let perCell = 0; // time of three maps for one of their cells [ms]
 
   // No singular circle is larger than the radii together.
   const extent = () => {
@@ -39,13 +40,13 @@ const createMaps = ({ current, move, begin }) => {
   };
   const solve = (moving) => {
     const { doc } = current();
-    const n = moving && spent > SLOW ? WHILE_MOVED : CELLS;
+    const n = !moving ? CELLS : perCell * WHILE_MOVED ** 2 > SLOW ? WHERE_SLOW : WHILE_MOVED;
     const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n,
       differs() && doc.reference]);
     if (wanted === key) return;
     const start = performance.now();
     const maps = chosenMaps(n);
-    spent = performance.now() - start;
+    perCell = (performance.now() - start) / n ** 2;
     const limit = colorLimit(maps);
     solved = { limit, pictures: maps.map((each) => pictureOf(each, n, limit)) };
     key = wanted;

@@ -175,18 +175,22 @@ def test_maps_follow_a_drag_of_theta(opened: Opened) -> None:
     opened.open(share_code(START))
     slider = opened.page.get_by_label("θ  [°], slider")
     before = opened.page.locator("#maps figcaption").first.inner_text()
-    drawn = slider.evaluate("""async (slider) => {
+    drawn, cells = slider.evaluate("""async (slider) => {
       const drawn = () => Number(document.documentElement.dataset.drawn);
       const first = drawn();
+      const cells = [];
       for (let step = 0; step < 40; step++) {
         slider.value = 10 + step;
         slider.dispatchEvent(new Event("input"));
         await new Promise(requestAnimationFrame);
+        if (drawn() > first) cells.push(drawMap.cells.width);
       }
       slider.dispatchEvent(new Event("change"));
-      return drawn() - first;
+      return [drawn() - first, cells];
     }""")
     assert drawn > 4  # of 40 steps, each with a frame of the browser: none waits for the end
+    at_rest = "drawMap.cells.width"
+    until(lambda: opened.page.evaluate(at_rest) > max(cells), "maps are finer at rest")
     assert opened.page.locator("#maps figcaption").first.inner_text() != before
     opened.wait(lambda found: abs(found.pose[2] - np.radians(49.0)) < 1e-9)
     opened.page.get_by_role("button", name="Undo").click()
