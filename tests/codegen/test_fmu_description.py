@@ -52,6 +52,15 @@ def test_description_says_what_is_left_out_of_the_legs(kind: FmuKind) -> None:
     assert note == f"{plain}; legs are equal, the design's deviations of single legs are left out"
 
 
+def test_files_to_be_compiled_are_listed() -> None:
+    """An importer that builds the binary itself compiles these, and takes the rest as headers."""
+    for kind in KINDS:
+        inside = fmu_sources(APPENDIX_4, kind)
+        root = ET.fromstring(inside["modelDescription.xml"])
+        listed = [one.attrib["name"] for one in root.findall("CoSimulation/SourceFiles/File")]
+        assert [f"sources/{name}" for name in listed] == [n for n in inside if n.endswith(".c")]
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_variables_have_references_starts_and_roles(kind: FmuKind) -> None:
     """Inputs, payload and fixed numbers first, with starts; a plant starts where it is held."""
