@@ -273,6 +273,7 @@ def test_tables_of_designs_have_their_words_and_digits() -> None:
     shown = cells(design.values_table(held))
     assert ("drives.M1", "gear_ratio", "12.5", "n, gear ratio") in shown
     assert sum(row[0] == "drives.M1" for row in shown) == 2  # with its name
+    assert ("counterweights", "mass_kg", "0.123456789", weight.place) in shown
     data = design.values_data(held)
     assert list(data["drives"]["M1"].values()) == list(vars(motor).values())
     assert list(data["counterweights"][0].values()) == list(vars(weight).values())
