@@ -178,6 +178,7 @@ def test_a_run_ends_where_its_progress_says_so(parts: int, tmp_path) -> None:
     seen: list[int] = []
 
     def enough(done: float, *, summary) -> bool:
+        assert done == summary.rows / study.size
         seen.append(summary.rows)
         return len(seen) > parts
 
@@ -185,6 +186,7 @@ def test_a_run_ends_where_its_progress_says_so(parts: int, tmp_path) -> None:
     summary = run_study(study, tmp_path / "a.csv", progress=enough)
     assert seen == [PART * part for part in range(parts + 1)]
     assert summary.rows == len(read(tmp_path / "a.csv")) == PART * parts
+    assert run_study(study, tmp_path / "a.csv", progress=enough).found == PART * parts
 
 
 def test_workers_that_die_are_named_and_their_rows_are_left_to_be_resumed(tmp_path) -> None:
