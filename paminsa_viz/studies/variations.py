@@ -77,7 +77,8 @@ class DesignRange:
         value = design.value(path)
         if value == 0:
             raise InvalidInput(path, "is 0, so that a spread around it is nothing; give a range")
-        return cls(path, value * (1 - spread), value * (1 + spread))
+        ends = value * (1 - spread), value * (1 + spread)
+        return cls(path, *(ends if value > 0 else ends[::-1]))
 
 
 @dataclass(frozen=True)

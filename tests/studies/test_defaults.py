@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.studies import (
     METRICS,
@@ -56,6 +56,10 @@ def test_a_range_about_a_value_is_a_share_of_it_to_either_side() -> None:
     found = DesignRange.around(APPENDIX_4, "links.b3", 0.2)
     assert (found.low, found.high) == pytest.approx((0.8 * mass, 1.2 * mass))
     assert RandomDesigns((found,), 3).seed == 0
+    pushed = DesignRange.around(APPENDIX_4.vary({"load.force_z": -20.0}), "load.force_z", 0.2)
+    assert (pushed.low, pushed.high) == pytest.approx((-24.0, -16.0))
+    with pytest.raises(InvalidInput, match="low < high"):
+        DesignRange.around(APPENDIX_4, "links.b3", -0.2)
 
 
 def test_what_is_not_said_of_a_study() -> None:
