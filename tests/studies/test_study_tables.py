@@ -241,6 +241,11 @@ def test_the_head_of_a_table_says_what_the_rows_follow_from() -> None:
     assert "command" not in head
     assert "motion" not in head
     assert all(metric.meaning == head[metric.column] for metric in SMALL.metrics)
+    pushed = SMALL.design.vary({"load.force_x": 4.0})
+    for design in (SMALL.design, pushed):
+        rest = replace(SMALL, design=design).provenance()
+        assert rest["design links.b3 [kg]"] == repr(design.links.b3)
+        assert rest["design load.force_x [N]"] == repr(design.load.force_x)
 
 
 def test_every_difference_makes_another_table() -> None:
