@@ -108,6 +108,9 @@ def of_size(scale: float) -> Design:
 SIZED = ("geometry", "joints", "links", "inertias", "platform")
 SIZES = {"twentieth": of_size(0.05), "fifth": of_size(0.2), "five": of_size(5.0)}
 
+DRAWS = 6
+"""Tables of vectors by which single precision is judged."""
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["appendix-4", "upper-knee", "loaded", *SIZES])
@@ -117,17 +120,19 @@ def test_single_precision_keeps_the_bounds_that_the_readme_states(
     warned = ("-Wconversion", "-Wdouble-promotion")
     design = (DESIGNS | SIZES)[name]
     build(tmp_path, design, "gcc", "-O1", *warned, single=True)
-    done = run_test(tmp_path)
-    assert done.returncode == 0, done.stdout
-    worst = {
-        line[:34].strip(): float(line.split()[-1])
-        for line in done.stdout.splitlines()
-        if "worst error" in line
-    }
     readme = " ".join((tmp_path / "README.md").read_text().split())
-    for what, bound in SINGLE_BOUNDS.items():
-        assert worst[what] <= bound, what
-        assert f"{what} {bound:g}" in readme
+    for draw in range(DRAWS):  # the worst of one table is a matter of chance
+        (tmp_path / "vectors.csv").write_text(kit.test_vectors(design, draw))
+        done = run_test(tmp_path)
+        assert done.returncode == 0, done.stdout
+        worst = {
+            line[:34].strip(): float(line.split()[-1])
+            for line in done.stdout.splitlines()
+            if "worst error" in line
+        }
+        for what, bound in SINGLE_BOUNDS.items():
+            assert worst[what] <= bound, (draw, what)
+            assert f"{what} {bound:g}" in readme
 
 
 @pytest.mark.slow
@@ -455,7 +460,7 @@ def test_vectors_of_a_robot_twice_as_large_are_twice_as_far_away() -> None:
         path for path, item in PARAMETER.items() if path[:8] == "geometry" and item.unit == "m"
     ]
     large = APPENDIX_4.vary({path: 2.0 * APPENDIX_4.value(path) for path in lengths})
-    one, other = kit._poses(APPENDIX_4), kit._poses(large)
+    one, other = kit._poses(APPENDIX_4, 0), kit._poses(large, 0)
     np.testing.assert_array_equal(other[:ROWS], one[:ROWS] * [2.0, 2.0, 1.0, 2.0])
 
 
@@ -463,7 +468,7 @@ def test_actuators_of_a_robot_of_any_size_turn_as_fast_in_the_vectors() -> None:
     """So that its rates count as much beside its weight, and rounding as little."""
 
     def turning(design: Design) -> np.ndarray:
-        text = kit.test_vectors(design).splitlines()
+        text = kit.test_vectors(design, 0).splitlines()
         rows = np.array([line.split(",") for line in text[1 : ROWS + 1]], float)
         named = dict(zip(text[0].split(","), rows.T, strict=True))
         pose, velocity = (
@@ -495,7 +500,7 @@ def test_poses_of_a_self_test_are_sought_among_forty_a_row(monkeypatch: pytest.M
         return check_reach(geometry, poses)
 
     monkeypatch.setattr(kit, "check_reach", reach)
-    found = kit._poses(APPENDIX_4)
+    found = kit._poses(APPENDIX_4, 0)
     (tried,) = drawn
     assert len(tried) == 40 * ROWS
     margin = check_reach(APPENDIX_4.geometry, tried).margins.min(axis=(-1, -2))
