@@ -351,7 +351,8 @@ def _poses(design: Design, draw: int) -> Array:
     radius, height = workspace_radius(geometry), workspace_height(geometry)
     least, most = [-radius, -radius, -1, 0.1 * height], [radius, radius, 1, height]
     pose = rng.uniform(least, most, (40 * ROWS, 4))
-    pose[:, 3] *= -geometry.knee.sign  # on the platform's side of the guides
+    # heights are those of joints 5, on the platform's side of the guides
+    pose[:, 3] = -geometry.knee.sign * pose[:, 3] - geometry.platform_joint_height
     margin = check_reach(geometry, pose).margins.min(axis=(-1, -2))
     good = margin > 0.01 * geometry.base_radius
     good &= measure_singularity(geometry, pose).condition < WORST_CONDITION
