@@ -265,7 +265,7 @@ def front_blocks(case: SynthesisCase, front: DesignFront) -> list[Block]:
 
 
 def buildability_blocks(result: SynthesisResult) -> list[Table | Note]:
-    """Return whether the robot can be built as it is drawn, beside the reference."""
+    """Return whether the robot can be built as it is drawn, beside the one before."""
     if result.buildability is None:
         return []
     table = buildability_table(*result.buildability)
@@ -273,7 +273,7 @@ def buildability_blocks(result: SynthesisResult) -> list[Table | Note]:
 
 
 def buildability_table(found: Buildability, reference: Buildability) -> Table:
-    """Return the table of a robot beside the reference; what is a fault of the robot is marked."""
+    """Return the table of a robot beside the one before; what is a fault of the robot is marked."""
 
     def value(number: float, unit: str) -> str:
         return format_value(number, unit) if math.isfinite(number) else NONE
@@ -315,7 +315,7 @@ def buildability_table(found: Buildability, reference: Buildability) -> Table:
         "Whether the robot can be built as it is drawn, over the workspace; marked is what it "
         "cannot be with."
     )
-    return Table(("As drawn", "Found", "Reference"), compared, caption)
+    return Table(("As drawn", "Found", "Before"), compared, caption)
 
 
 def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> list[Table | Note]:

@@ -101,7 +101,7 @@ def result_html(frame: Frame) -> str:
         drawn=[one for one in drawn if isinstance(one, Table)],
         overlap=[one for one in drawn if isinstance(one, Note)], relaxed=relaxed,
         built=[] if built is None else yield_blocks(built),
-        lengths=lengths.columns(0, 2, 3, 4, hint=1), stale=stale,
+        lengths=lengths.columns(0, 3, 4, 5, hint=1), stale=stale,
     )  # fmt: skip
 
 

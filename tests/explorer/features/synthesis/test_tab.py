@@ -162,7 +162,11 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert clicked_point({"x": "no"}, state) is None
     chosen = actions.choose_point(state, 1)
     assert shown_front(chosen) != shown_front(state)
-    assert "moving mass 18 kg" in text.result_html(compute(chosen))
+    shown = text.result_html(compute(chosen))
+    assert "moving mass 18 kg" in shown
+    lengths = shown[shown.index('data-testid="lengths"') :]
+    assert re.findall("<th[^>]*>(.*?)</th>", lengths) == ["Symbol", "Before", "Found", "Change"]
+    assert re.findall("<b>(.*?)</b>", lengths) == ["330"]
     opened = actions.open_result(chosen)
     assert opened.document.design == points[1].result.design
     assert "Changed since" not in text.result_html(compute(opened))
