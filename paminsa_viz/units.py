@@ -222,7 +222,8 @@ _SCALED = {
 
 SHOWN_IN = {
     "m:um": DisplayUnit(UM, "µm"), "rad:arcsec": DisplayUnit(ARCSEC, "″"),
-    "rad:mrad": DisplayUnit(1e3, "mrad"), "1:%": DisplayUnit(100.0, "%"),
+    "rad:mrad": DisplayUnit(1e3, "mrad"), "rad/s:rpm": DisplayUnit(30 / math.pi, "rpm"),
+    "1:%": DisplayUnit(100.0, "%"),
 }  # fmt: skip
 """SI units with another to show them in."""
 
@@ -238,7 +239,8 @@ def display_unit(unit: str) -> DisplayUnit:
 
     Angular rates are in degrees as well; speeds and accelerations stay in meters, as drives and
     limits are rated. An SI unit may name the one to show it in after a colon: ``"m:um"``,
-    ``"rad:arcsec"`` and ``"rad:mrad"`` are small lengths and angles, ``"1:%"`` is a share.
+    ``"rad:arcsec"`` and ``"rad:mrad"`` are small lengths and angles, ``"rad/s:rpm"`` is the speed
+    of a motor, ``"1:%"`` is a share.
     """
     if ":" in unit:
         return SHOWN_IN[unit]

@@ -111,10 +111,13 @@ class CrossingRefused(PaminsaError):
             cannot be held within the limits), ``"weak"`` (a is zero), ``"reach"`` or
             ``"infeasible"``.
         s: Where on the path, NaN for none.
+        to_raise: The field of `MotionLimits` that is too low; empty if no limit helps.
     """
 
-    def __init__(self, cause: str, problem: str, s: float = float("nan")) -> None:
-        self.cause, self.s = cause, s
+    def __init__(
+        self, cause: str, problem: str, s: float = float("nan"), to_raise: str = ""
+    ) -> None:
+        self.cause, self.s, self.to_raise = cause, s, to_raise
         super().__init__(problem)
 
 

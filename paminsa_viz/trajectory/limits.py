@@ -65,11 +65,13 @@ class MotionLimits:
         return np.array([np.inf if value is None else value for value in vars(self).values()])
 
 
+MOTOR_SPEEDS = tuple(f"motor speed of {name}" for name in ACTUATORS)
+
 LIMITED = (
     "speed", "turning speed", "acceleration", "turning acceleration", "jerk", "turning jerk",
     "torque of M1", "torque of M2", "torque of M3", "force of M4",
     *(f"torque-speed envelope of {name}" for name in ACTUATORS),
-    *(f"motor speed of {name}" for name in ACTUATORS),
+    *MOTOR_SPEEDS,
     *(f"load of the gear of {name}" for name in ACTUATORS),
 )  # fmt: skip
 """What can be limited, in the order in which `timing` looks at it."""

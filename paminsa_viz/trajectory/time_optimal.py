@@ -241,7 +241,8 @@ def _check_path(
                 f"the {end} cannot be held: M{worst + 1} needs {abs(torque[worst]):.4g} of "
                 f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N·m'}"
             )
-            raise CrossingRefused("hold", problem, float(s[at]))
+            to_raise = "force" if worst == 3 else "torque"
+            raise CrossingRefused("hold", problem, float(s[at]), to_raise)
 
 
 def _program(
@@ -407,7 +408,7 @@ def plan_deformed(
                 if len(found.crossings) == len(met):
                     return DeformedPlan(found, float(deviation))
     problem = f"{cause}; nor on a path up to {1e3 * most:.3g} mm from it"
-    raise CrossingRefused(cause.cause, problem, cause.s)
+    raise CrossingRefused(cause.cause, problem, cause.s, cause.to_raise)
 
 
 def _deformed(

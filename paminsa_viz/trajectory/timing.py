@@ -24,11 +24,12 @@ from paminsa_viz.trajectory.durations import (
     needed_durations,
     torque_parts,
 )
-from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
+from paminsa_viz.trajectory.limits import LIMITED, MOTOR_SPEEDS, UNITS, MotionLimits
 from paminsa_viz.trajectory.plan import Blend, Plan
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.supremum import nodes, supremum
 from paminsa_viz.trajectory.time_laws import TimeLaw, fit_law
+from paminsa_viz.units import format_ascii
 
 _ROUNDING = 1e-12
 """Share by which a duration is longer than required, against rounding."""
@@ -72,9 +73,10 @@ class ShortestStretch:
         """What keeps the motion from being shorter, in words."""
         if not self.unit:
             return f"{self.plan.duration:.4g} s: {self.quantity} is reached at {self.t:.4g} s"
+        unit = "rad/s:rpm" if self.quantity in MOTOR_SPEEDS else self.unit
         return (
-            f"{self.plan.duration:.4g} s: {self.quantity} reaches {self.limit:.4g} {self.unit} "
-            f"at {self.t:.4g} s"
+            f"{self.plan.duration:.4g} s: {self.quantity} reaches "
+            f"{format_ascii(self.limit, unit)} at {self.t:.4g} s"
         )
 
 
@@ -88,6 +90,7 @@ class InfeasibleMotion(PaminsaError):
         needed: Required there by gravity, and by Coulomb friction where that adds [N m or N].
         limit: What the actuator may give [N m or N].
         friction: Whether Coulomb friction is part of what is needed.
+        by_drive: Whether the limit is that of the design's drive, not one of `MotionLimits`.
     """
 
     def __init__(
@@ -98,6 +101,7 @@ class InfeasibleMotion(PaminsaError):
         needed: float,
         limit: float,
         friction: bool = False,
+        by_drive: bool = False,
     ) -> None:
         self.actuator = actuator
         self.share = share
@@ -105,12 +109,20 @@ class InfeasibleMotion(PaminsaError):
         self.needed = needed
         self.limit = limit
         self.friction = friction
+        self.by_drive = by_drive
         name, unit = LIMITED[6 + actuator], UNITS[6 + actuator]
         what = "gravity and Coulomb friction take" if friction else "gravity takes"
         super().__init__(
             f"no duration is long enough: at {100 * share:.3g} % of the motion {what} "
-            f"{abs(needed):.4g} {unit}, and the {name} is limited to {limit:.4g} {unit}"
+            f"{format_ascii(abs(needed), unit)}, and the {name} is limited to "
+            f"{format_ascii(limit, unit)}"
+            f"{' by its drive' if by_drive else ''}"
         )
+
+    @property
+    def to_raise(self) -> str:
+        """The field of `MotionLimits` that is too low; empty if no limit helps."""
+        return "" if self.by_drive else "force" if self.actuator == 3 else "torque"
 
 
 @kinds_checked
@@ -171,14 +183,16 @@ def shortest_stretch(
         adds = np.abs(moved) > np.abs(held)
         held = np.where(adds, moved, held)
         bounds = limits.actuators
-        if needed.column >= FIRST_OF_DRIVES:
+        by_drive = needed.column >= FIRST_OF_DRIVES
+        if by_drive:
             bounds = np.array([one.peak for one in design.output_limits])
         worst = int(np.argmax(np.abs(held) / bounds))
         pose = tuple(map(float, curve(at)[0]))
         most = float(bounds[worst])
         raise InfeasibleMotion(
-            worst, needed.u, pose, float(held[worst]), most, friction=bool(adds[worst])
-        )
+            worst, needed.u, pose, float(held[worst]), most,
+            friction=bool(adds[worst]), by_drive=by_drive,
+        )  # fmt: skip
     if needed.value <= 0:
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)

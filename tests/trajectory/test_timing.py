@@ -226,7 +226,7 @@ def test_friction_is_named_only_where_it_adds_to_gravity() -> None:
 def test_what_gravity_takes_is_in_the_unit_of_the_actuator() -> None:
     for actuator in range(4):
         told = str(InfeasibleMotion(actuator, 0.25, (0.0, 0.0, 0.0, -0.5), -3.0, 2.0))
-        unit, word = ("N", "force") if actuator == 3 else ("N m", "torque")
+        unit, word = ("N", "force") if actuator == 3 else ("N·m", "torque")
         assert "at 25 % of the motion" in told
         assert f"takes 3 {unit}, and the {word} of M{actuator + 1} is limited to 2 {unit}" in told
 
@@ -376,7 +376,7 @@ def test_a_gear_that_limits_is_named_with_its_load(
     gear = replace(SERVO, peak_torque=20.0, envelope=(), gear_peak_torque=6.0)
     found = shortest(plan, MotionLimits(), replace(APPENDIX_4, drives=(None, gear, None, None)))
     assert (found.quantity, found.limit, found.unit) == ("load of the gear of M2", 6.0, "N m")
-    assert "load of the gear of M2 reaches 6 N m at" in found.explanation
+    assert "load of the gear of M2 reaches 6 N·m at" in found.explanation
     # the load is that of the robot without its drives
     load = np.abs(inverse_dynamics(APPENDIX_4, *found.plan.at(dense(found.plan))).torque[:, 1])
     assert load.max() == pytest.approx(6.0, rel=1e-3)

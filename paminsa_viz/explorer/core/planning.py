@@ -16,8 +16,11 @@ from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError, chec
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.trajectory import (
     PRESET,
+    CrossingRefused,
     DeformedPlan,
     ImpossibleTrajectory,
+    InfeasibleMotion,
+    MotionLimits,
     PathCheck,
     Plan,
     TimeLaw,
@@ -57,6 +60,8 @@ class Planned:
         bound: What keeps it from being shorter; empty if the duration was given.
         crossing: The way there, if it was planned through type-2 singularities.
         deviation: How far its path was changed for that [m].
+        to_change: The field of `MotionLimits` without which there is no problem; empty if none
+            helps.
     """
 
     trajectory: Trajectory | None
@@ -64,6 +69,7 @@ class Planned:
     bound: str = ""
     crossing: TimeOptimalPlan | None = None
     deviation: float = 0.0
+    to_change: str = ""
 
 
 def planned(motion: Motion, design: Design) -> Planned:
@@ -83,7 +89,7 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
         plan = make_plan(motion, geometry)
     except PaminsaError as error:
         return Planned(None, str(error))
-    problem = bound = ""
+    problem = bound = to_change = ""
     crossing, deviation = None, 0.0
     if motion.crosses and design is not None:
         try:
@@ -91,7 +97,7 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
             crossing, deviation = found.found, found.deviation
             plan = crossing.plan
         except PaminsaError as error:
-            problem = str(error)
+            problem, to_change = str(error), _to_change(error, motion.limits)
     elif motion.timing.keeps_limits:
         shortest = shortest_motion if motion.timing is Timing.SHORTEST else shortest_stretch
         try:
@@ -100,11 +106,22 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
         except ImpossibleTrajectory:
             bound = "no shortest duration, since the robot cannot run the path"
         except PaminsaError as error:
-            problem = str(error)
+            problem, to_change = str(error), _to_change(error, motion.limits)
     if motion.back:
         plan = round_trip(plan)
     samples = plan.sample(_rate(motion.rate, plan.duration))
-    return Planned(samples, problem, bound, crossing, deviation)
+    return Planned(samples, problem, bound, crossing, deviation, to_change)
+
+
+def _to_change(error: PaminsaError, limits: MotionLimits) -> str:
+    """Return which limit has to be another one for a refused motion; empty if none helps."""
+    if isinstance(error, (CrossingRefused, InfeasibleMotion)):
+        return error.to_raise
+    if not isinstance(error, InvalidInput) or error.argument != "limits":
+        return ""
+    if "jerk" in error.problem:
+        return "turn_jerk" if limits.jerk is None else "jerk"
+    return "torque"
 
 
 def _from_table(motion: Motion) -> Planned:

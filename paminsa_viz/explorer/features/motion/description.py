@@ -95,12 +95,10 @@ def _not_crossing(state: State) -> bool:
     return not _crosses(state)
 
 
-def _limit(
-    name: str, label: str, unit: str, step: float, visible: Condition | None = None
-) -> Number:
+def _limit(name: str, unit: str, step: float, visible: Condition | None = None) -> Number:
     """Return the input of a limit of the shortest duration; 0 is none."""
     return Number(
-        f"motion.limits.{name}", label, unit=display_unit(unit), step=step,
+        f"motion.limits.{name}", LIMIT_LABELS[name], unit=display_unit(unit), step=step,
         range=(0.0, LARGEST_LIMIT), visible=visible,
         read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
         apply=lambda state, value: motions.limit(state, name, value),
@@ -126,7 +124,13 @@ def has_limits(state: State) -> bool:
     return _planned(state) and (_crosses(state) or motion.timing.keeps_limits)
 
 
-TORQUE_LIMIT, FORCE_LIMIT = "M1–M3 [N·m]", "F₄ [N]"
+LIMIT_LABELS = {
+    "speed": "Speed [m/s]", "turn_speed": "Speed [°/s]",
+    "acceleration": "Accel. [m/s²]", "turn_acceleration": "Accel. [°/s²]",
+    "jerk": "Jerk [m/s³]", "turn_jerk": "Jerk [°/s³]",
+    "torque": "M1–M3 [N·m]", "force": "F₄ [N]",
+}  # fmt: skip
+"""Labels of the inputs of limits, by the field of `MotionLimits`."""
 
 _setting = SettingInputs("motion", "document.motion", Motion, motions.change)
 
@@ -178,14 +182,14 @@ DESCRIPTION: tuple[Entry, ...] = (
                 "motion.limits.note",
                 content=lambda frame: render("motion/limits.j2", crosses=_crosses(frame.state)),
             ),
-            _limit("speed", "Speed [m/s]", "m/s", 0.1),
-            _limit("turn_speed", "Speed [°/s]", "rad/s", 10.0),
-            _limit("acceleration", "Accel. [m/s²]", "m/s^2", 0.5, _not_crossing),
-            _limit("turn_acceleration", "Accel. [°/s²]", "rad/s^2", 100.0, _not_crossing),
-            _limit("jerk", "Jerk [m/s³]", "m/s^3", 10.0, _not_crossing),
-            _limit("turn_jerk", "Jerk [°/s³]", "rad/s^3", 1000.0, _not_crossing),
-            _limit("torque", TORQUE_LIMIT, "N m", 0.5),
-            _limit("force", FORCE_LIMIT, "N", 10.0),
+            _limit("speed", "m/s", 0.1),
+            _limit("turn_speed", "rad/s", 10.0),
+            _limit("acceleration", "m/s^2", 0.5, _not_crossing),
+            _limit("turn_acceleration", "rad/s^2", 100.0, _not_crossing),
+            _limit("jerk", "m/s^3", 10.0, _not_crossing),
+            _limit("turn_jerk", "rad/s^3", 1000.0, _not_crossing),
+            _limit("torque", "N m", 0.5),
+            _limit("force", "N", 10.0),
         ),
     ),
     _setting("rate"),

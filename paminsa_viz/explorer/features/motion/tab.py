@@ -15,12 +15,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
-from paminsa_viz.explorer.features.motion.description import (
-    DESCRIPTION,
-    FORCE_LIMIT,
-    TORQUE_LIMIT,
-    has_limits,
-)
+from paminsa_viz.explorer.features.motion.description import DESCRIPTION, LIMIT_LABELS
 from paminsa_viz.explorer.features.motion.layers import path_scale
 from paminsa_viz.explorer.features.motion.simulated import SimulationCharts
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
@@ -75,22 +70,21 @@ def status_html(frame: Frame) -> str:
         if why:
             level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
             lines.insert(0, f"{why}, at {number(near.t, 3)} s")
-    # where the path itself leads into a limit of the robot, no limit of the motion helps
-    limited = bool(found.trajectory is not None and found.problem and has_limits(state))
     return render(
         "motion/status.j2",
         level=level,
         title=title,
         lines=list(filter(None, lines)),
-        limited=limited,
+        limited=bool(found.to_change),
     )
 
 
 def _to_limits(session: Session, data: Any) -> None:
     """Put the focus into the limit that a motion breaks; nothing is looked at of ``data``."""
     del data
-    label = FORCE_LIMIT if "M4" in motions.planned(session.state).problem else TORQUE_LIMIT
-    session.bridge.call("focusInput", [label])
+    to_change = motions.planned(session.state).to_change
+    if to_change:
+        session.bridge.call("focusInput", [LIMIT_LABELS[to_change]])
 
 
 def playback_end(state: State) -> float:

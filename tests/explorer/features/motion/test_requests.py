@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.actions import change_document
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import checked
 from paminsa_viz.explorer.features.motion import points, simulation, tab
@@ -32,8 +33,16 @@ from paminsa_viz.explorer.state.motion import (
     started,
 )
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import InvalidInput, KneeBranch
-from paminsa_viz.trajectory import PRESETS, Locus, Profile, Trajectory, analyze, from_samples
+from paminsa_viz.model import APPENDIX_4, Drive, InvalidInput, KneeBranch
+from paminsa_viz.trajectory import (
+    PRESETS,
+    Locus,
+    MotionLimits,
+    Profile,
+    Trajectory,
+    analyze,
+    from_samples,
+)
 
 
 def shows_crossings(state: State) -> Any:
@@ -293,6 +302,39 @@ def test_limits_are_offered_where_another_one_could_help(turning: State) -> None
     assert offered(motions.limit(motions.change(turning, cross=True), "torque", 0.5))
     weak = motions.limit(motions.change(turning, goal=(0.1, 0.02, 0.8, -0.5)), "force", 100.0)
     assert offered(weak)
+    long = motions.change(turning, cross=True, timing=Timing.GIVEN, duration=30.0)
+    assert not offered(long)  # another duration would help
+    singular = float(
+        np.arccos(APPENDIX_4.geometry.platform_radius / APPENDIX_4.geometry.base_radius)
+    )
+    end = motions.change(turning, cross=True, goal=(0.03, 0.02, singular, -0.5))
+    assert not offered(end)  # no torque holds it there
+    free = replace(weak.document.motion, limits=MotionLimits(torque=100.0))
+    feeble = replace(APPENDIX_4, drives=(Drive(peak_torque=1e-3), None, None, None))
+    driven = change_document(weak, motion=free, design=feeble)
+    assert not offered(driven)  # its drive is too weak
+    assert "by its drive" in motions.planned(driven).problem
+
+
+@pytest.mark.slow
+def test_the_limit_that_stands_in_the_way_is_named(turning: State) -> None:
+    def named(state: State, **limits: float) -> str:
+        found = replace(state.document.motion, limits=MotionLimits(**limits))
+        planned = motions.planned(change_document(state, motion=found))
+        assert planned.problem
+        assert planned.to_change in {"", *limits, "torque"}
+        return planned.to_change
+
+    through = motions.change(turning, cross=True)
+    assert named(through, torque=0.5) == "torque"
+    assert named(through, torque=100.0, force=1.0) == "force"
+    assert named(through, speed=1.0) == "torque"  # one of the actuators is needed
+    assert named(through, torque=1000.0, turn_speed=0.1) == "turn_speed"
+    around = motions.change(turning, goal=(0.1, 0.02, 0.8, -0.5))
+    assert named(around) == "torque"  # nothing is limited
+    jumping = motions.change(around, profile=Profile.TRAPEZOID)
+    assert named(jumping, jerk=10.0) == "jerk"
+    assert named(jumping, turn_jerk=10.0) == "turn_jerk"
 
 
 @pytest.mark.slow
