@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from markupsafe import Markup
@@ -95,7 +94,8 @@ def details_html(outcome: BalanceOutcome | None) -> str:
     if isinstance(changes, Table):
         changes = changes.columns(0, 3, 4, 5, hint=1)
     return render(
-        "balance/result.j2", job=outcome.job, degrees=math.degrees,
+        "balance/result.j2", job=outcome.job,
+        theta=format_value(outcome.job.theta, "rad"), z=format_value(outcome.job.z, "m"),
         effects=effects_table(found.effects), changes=changes,
         certificate=certificate_note(found.optimum).text, seconds=found.optimum.seconds,
         bounds=replace(bounds, rows=bounds.rows[:MAX_BOUNDS]).columns(0, 2, 3, 4),

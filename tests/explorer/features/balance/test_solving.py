@@ -36,6 +36,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.trajectory import analyze
+from paminsa_viz.units import format_value
 from tests.explorer.features.balance.balanced import ATTACHED, START, solved, started, status
 from tests.support.tables import assert_parts
 from tests.support.tasks import delivered
@@ -146,6 +147,9 @@ def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses
         details_html(outcome), [*optimum_blocks(found.optimum), effects_table(found.effects)]
     )
     text = status(after) + details_html(outcome)
+    data = MapStore().data(after, quantities=TORQUES)
+    place = f"θ = {format_value(data.theta, 'rad')}, z = {format_value(data.z, 'm')} that count"
+    assert place in text  # as below a map
     assert "Certified optimal" in text
     assert "nan" not in text
 
