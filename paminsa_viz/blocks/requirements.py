@@ -28,7 +28,7 @@ from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.synthesis.volume.surface import volume_surface
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
-from paminsa_viz.units import NONE, DisplayUnit, format_pose, format_value, number
+from paminsa_viz.units import NONE, DisplayUnit, format_pose, format_value, interval_text, number
 
 TIME_LIMIT = 10.0
 """How long the proof of the largest workspace may take [s]."""
@@ -190,8 +190,8 @@ def _volume(volume: Volume, text: Text) -> list[Block]:
 
 
 def size_text(volume: Volume) -> str:
-    """Return a volume with its error."""
-    return f"{number(LITERS * volume.volume)} ± {number(LITERS * volume.error, 2)} dm³"
+    """Return a volume with its error, to the same decimal place."""
+    return f"{interval_text(LITERS * volume.volume, LITERS * volume.error)} dm³"
 
 
 def share_text(volume: Volume) -> str:

@@ -299,7 +299,7 @@ def test_what_ends_a_volume_and_what_each_requirement_removes(
     note, table = requirements._volume(volume, lambda bound: bound.quantity)
     nodes = "On 1,200 nodes 12.3 mm apart and 5 headings."
     assert said([note]) == [
-        ("All requirements hold in 12.3 ± 0.46 dm³, 25.0 % of 49.2 dm³ that can be reached with "
+        ("All requirements hold in 12.30 ± 0.46 dm³, 25.0 % of 49.2 dm³ that can be reached with "
          f"every heading from home without a singularity between. {nodes}", "plain"),
     ]  # fmt: skip
     assert cells(table) == [
