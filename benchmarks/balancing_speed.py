@@ -79,7 +79,7 @@ def optima() -> None:
         "driving energy on a trajectory": lambda: optimize(
             DESIGN, changes(), TrajectoryEnergy(solved)
         ),
-        "peak + RMS + 0.1 mass, static peak below 1 N m": lambda: optimize(
+        "peak + RMS + 0.1 mass, static peak below 1 N·m": lambda: optimize(
             DESIGN, changes(),
             [(1.0, peak), (1.0, TrajectoryRms(solved)), (0.1, AddedMass())],
             limits=[(static, 1.0)],

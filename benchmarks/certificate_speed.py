@@ -122,7 +122,7 @@ def workspaces() -> None:
                 number(used),
             )
         )
-    heading("Appendix 4: cylinder about (0, 0, -600) mm, theta ± 30°, κ ≤ 10, 15 N m, 450 N")
+    heading("Appendix 4: cylinder about (0, 0, -600) mm, theta ± 30°, κ ≤ 10, 15 N·m, 450 N")
     table(("cylinder", "task", "gap [mm]", "boxes", "processor time [s]"), rows)
 
 

@@ -35,7 +35,7 @@ SCREW = replace(
 DRIVEN = replace(APPENDIX_4, drives=(SERVO, SERVO, SERVO, SCREW))
 CASES: dict[str, tuple[Design, MotionLimits]] = {
     "1 m/s, 6 rad/s, 10 m/s², 60 rad/s²": (APPENDIX_4, RATES),
-    "those, 6 N m, 400 N": (APPENDIX_4, LIMITS),
+    "those, 6 N·m, 400 N": (APPENDIX_4, LIMITS),
     "servo drives alone": (DRIVEN, MotionLimits()),
 }
 

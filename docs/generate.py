@@ -40,6 +40,7 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model import drive as drive_model
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.parameters import BAR_ENDS
+from paminsa_viz.units import unit_text
 from paminsa_viz.version import COMMAND
 from paminsa_viz.webpage import design_page
 
@@ -141,7 +142,7 @@ def design_file() -> str:
             ],
         ),
         "`name` is a text, `transmission` for M4 is `screw` or `belt` in quotes, `brake` true or "
-        "false, and `envelope` lists corners of the largest torque [N m] over the speed [rad/s].",
+        "false, and `envelope` lists corners of the largest torque [N·m] over the speed [rad/s].",
         '```toml\n[drives.M1]\nname = "servo 100 W, gear 100:1"\nrotor_inertia_kg_m2 = 4e-6\n'
         "gear_ratio = 100.0\nefficiency = 0.8\nrated_torque_Nm = 0.32\npeak_torque_Nm = 0.95\n"
         "envelope = [[0, 0.95], [314, 0.95], [628, 0.4]]\n```",
@@ -177,7 +178,7 @@ def _choice_row(table: str, name: str) -> tuple[str, ...]:
 
 def _meaning(key: DesignKey) -> str:
     p = key.parameter
-    return f"{p.label} `{p.symbol}` [{p.unit}], {p.default:g}"
+    return f"{p.label} `{p.symbol}` [{unit_text(p.unit)}], {p.default:g}"
 
 
 def _default_head(table: str) -> str:
@@ -342,6 +343,9 @@ def _constant(module: types.ModuleType, name: str) -> str:
 # --------------------------------------------------------------------------------- Markdown
 
 
+_UNIT = re.compile(r"\b(?:kg m(?:\^2)?|N m(?: s)?|m|rad)(?:/(?:rad|s)(?:\^\d)?)?\b")
+
+
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
     return "\n".join("| " + " | ".join(map(_cell, row)) + " |" for row in lines)
@@ -357,8 +361,12 @@ def _cell(text: str) -> str:
 
 
 def _paragraphs(text: str) -> str:
-    """Return a docstring as Markdown, without its sections: double backticks become single ones."""
-    return re.split(r"\n\n(?:Attributes|Raises):", text)[0].replace("``", "`")
+    """Return a docstring as Markdown, without its sections: double backticks become single ones.
+
+    Units are in plain text in the source, whose C code has to be ASCII.
+    """
+    text = re.split(r"\n\n(?:Attributes|Raises):", text)[0].replace("``", "`")
+    return _UNIT.sub(lambda found: unit_text(found[0]), text)
 
 
 def _page(parts: list[str]) -> str:

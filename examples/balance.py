@@ -23,4 +23,4 @@ print(f"added mass: {found.objective:.4f} kg; no less than {found.lower_bound:.4
 pose = np.array([0.1, -0.05, 0.3, -0.5])
 for design in (found.before, found.after):
     torque = static_torques(design, pose)[:3] + 0.0
-    print(f"M_p2 = {static_imbalance(design):8.4f} N, torques {np.round(torque, 6)} N m")
+    print(f"M_p2 = {static_imbalance(design):8.4f} N, torques {np.round(torque, 6)} N·m")

@@ -36,6 +36,6 @@ for name, path in paths.items():
         naive = unplanned_torque(crossing, found.plan.duration)
         drift = np.array(payload_drift(design, found, 0.1)[0].shift)
         print(f"{name}, {robot}: {found.plan.duration:.3f} s, through at {crossing.t:.3f} s")
-        print(f"  peak {peak:.2f} N m; the quintic law at 1 kHz: {naive:.0f} N m")
-        print(f"  limit torques {np.round(crossing.torque[:3], 3)} N m")
+        print(f"  peak {peak:.2f} N·m; the quintic law at 1 kHz: {naive:.0f} N·m")
+        print(f"  limit torques {np.round(crossing.torque[:3], 3)} N·m")
         print(f"  drift by 0.1 kg: {1e6 * np.hypot(*drift[:2]):.2f} um, {1e6 * drift[2]:.2f} urad")

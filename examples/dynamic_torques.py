@@ -20,7 +20,7 @@ from paminsa_viz.trajectory import PRESET, analyze
 motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(500)
 analysis = analyze(APPENDIX_4, motion)
 for name, actuator in zip(("M1", "M2", "M3", "M4"), analysis.summary, strict=True):
-    unit = "N" if name == "M4" else "N m"
+    unit = "N" if name == "M4" else "N·m"
     print(f"{name}: peak {actuator.peak:7.2f} {unit}, RMS {actuator.rms:7.2f} {unit}")
 Path("dynamic_torques.png").write_bytes(figure_bytes("breakdown", analysis, dpi=150))
 print("dynamic_torques.png: written")

@@ -23,9 +23,9 @@ pose = np.array([0.05, -0.03, 0.3, -0.55])
 design = replace(APPENDIX_4, load=tool, name="with a spindle")
 
 wrench = center_wrench(tool, pose[2])
-print(f"at the center: F = {np.round(wrench[:3], 3)} N, M = {np.round(wrench[3:], 3)} N m")
-print(f"against it: {np.round(load_torques(design.geometry, tool, pose), 3)} N m, N")
-print(f"held in all: {np.round(static_torques(design, pose), 3)} N m, N")
+print(f"at the center: F = {np.round(wrench[:3], 3)} N, M = {np.round(wrench[3:], 3)} N·m")
+print(f"against it: {np.round(load_torques(design.geometry, tool, pose), 3)} N·m, N")
+print(f"held in all: {np.round(static_torques(design, pose), 3)} N·m, N")
 
 at = capability(design, pose)
 index, sign = at.horizontal_limit

@@ -12,7 +12,7 @@ from paminsa_viz.trajectory import PRESET, analyze
 motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(500)
 correct = analyze(APPENDIX_4, motion).torque
 
-print("largest change of          M1 [N m]  M2 [N m]  M3 [N m]    M4 [N]")
+print("largest change of          M1 [N·m]  M2 [N·m]  M3 [N·m]    M4 [N]")
 for misprint in (*Misprint, Misprint.ALL):
     printed = analyze(APPENDIX_4, motion, misprints=misprint).torque
     change = np.abs(printed - correct).max(axis=0)

@@ -16,7 +16,7 @@ poses = workspace_poses(APPENDIX_4.geometry, 500, seed=0)
 carrying = APPENDIX_4.vary({"payload.mass": MASS})
 change = static_torques(carrying, poses) - static_torques(APPENDIX_4, poses)
 weight = APPENDIX_4.geometry.magnification * MASS * APPENDIX_4.gravity
-print(f"at rest M1..M3 change by at most {np.abs(change[:, :3]).max():.1g} N m,")
+print(f"at rest M1..M3 change by at most {np.abs(change[:, :3]).max():.1g} N·m,")
 print(f"M4 by k m g = {weight:.2f} N, to {np.abs(change[:, 3] - weight).max():.0e} N\n")
 
 # In motion the dynamic torques fall with the square of the time. How slow does each motion have to

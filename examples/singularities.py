@@ -28,4 +28,4 @@ near = measure_singularity(geometry, pose)
 largest = np.abs(static_torques(APPENDIX_4, pose)[:, :3]).max(axis=1)
 print("\nfrom the circle  condition number  largest torque")
 for away, condition, torque in zip(near.position_distance, near.condition, largest, strict=True):
-    print(f"{1e3 * away:12.1f} mm  {condition:16.1f}  {torque:10.2f} N m")
+    print(f"{1e3 * away:12.1f} mm  {condition:16.1f}  {torque:10.2f} N·m")

@@ -28,13 +28,13 @@ places = {
     ),
 }
 gravity = static_torques(APPENDIX_4, poses)[..., :3]
-print(f"{'as it is':<38}largest torque {np.abs(gravity).max():.3f} N m")
+print(f"{'as it is':<38}largest torque {np.abs(gravity).max():.3f} N·m")
 weighted = static_torques(balance(APPENDIX_4).after, poses)[..., :3]
-print(f"{'counterweights':<38}largest torque {np.abs(weighted).max():.3f} N m")
+print(f"{'counterweights':<38}largest torque {np.abs(weighted).max():.3f} N·m")
 for name, place in places.items():
     springs = fit_springs(APPENDIX_4, [place], poses).springs
     held = gravity + spring_torques(APPENDIX_4.geometry, springs, poses)[..., :3]
     print(
-        f"{name:<38}largest torque {np.abs(held).max():.3f} N m "
+        f"{name:<38}largest torque {np.abs(held).max():.3f} N·m "
         f"with {springs[0].stiffness:.1f} N/m, {1e3 * springs[0].free_length:.0f} mm"
     )

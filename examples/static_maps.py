@@ -24,6 +24,6 @@ for design in (APPENDIX_4, heavier):
     torque = np.abs(field.torques(design)[:3, field.status == Limit.OK])
     print(
         f"m_B4 = {design.links.b4:.3f} kg: M_p2 = {static_imbalance(design):.3f} N, "
-        f"half of the torques are below {np.median(torque):.2f} N m"
+        f"half of the torques are below {np.median(torque):.2f} N·m"
     )
 print("static_maps.png: written")

@@ -188,6 +188,38 @@ def test_defaults_in_the_reference_of_design_files_can_be_written() -> None:
     read_design("\n".join(lines), "reference.toml")
 
 
+TYPED = r'[<>]= [^ ]+ N m|"N m"'
+"""Requirements and code, which are in ASCII."""
+
+
+def test_pages_write_units_of_torque_in_one_way() -> None:
+    """So do the helps of flags, which one of them is made of."""
+    for page in PAGES:
+        text = re.sub(r"^ *```.*?^ *```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+        wrong = re.findall(r".*(?:\bN m\b|kg m²).*", re.sub(TYPED, "", text))
+        assert not wrong, name_of(page)
+
+
+@pytest.mark.slow
+def test_texts_for_people_write_units_of_torque_as_the_pages_do() -> None:
+    """Units alone, such as ``"N m/rad"``, become ``N·m/rad`` where they are shown."""
+    keys = {"load of the motion [N, N, N, N m, N m, N m]"}  # of a table
+    for path in sorted((ROOT / "paminsa_viz").rglob("*.py")):
+        source = path.read_text(encoding="utf-8")
+        if "N m" not in source:
+            continue
+        tree = ast.parse(source)
+        says = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+        texts = [
+            re.sub(TYPED, "", node.value)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Constant) and isinstance(node.value, str)
+            and id(node) not in says
+        ]  # fmt: skip
+        wrong = {text for text in texts if re.search(r"\bN m\b", text)} - keys
+        assert {text for text in wrong if not re.fullmatch(r"N m( s)?(/rad)?", text)} == set(), path
+
+
 @pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
 def test_paths_to_sections_that_pages_name_exist(page) -> None:
     """A workspace and its section, as *Robot, Load* or in words; the folder *File > Export*."""

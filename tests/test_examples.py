@@ -30,10 +30,10 @@ PRINTED = {
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
     "forces": r"in every horizontal direction: 83\.60 N, M1 limits",
     "misprints": r"all of them +0\.\d+",
-    "payload_in_motion": r"at rest M1..M3 change by at most 0 N m,\nM4 by k m g = 147\.15 N",
+    "payload_in_motion": r"at rest M1..M3 change by at most 0 N·m,\nM4 by k m g = 147\.15 N",
     "record_logs": r"seed 0: log det \d+, [1-9]\d above random motions",
     "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",
-    "springs": r"zero free length, mast on slider 8 +largest torque 0\.000 N m with 91\.0 N/m",
+    "springs": r"zero free length, mast on slider 8 +largest torque 0\.000 N·m with 91\.0 N/m",
     "static_maps": r"M_p2 = 9\.100 N",
     "verify_with_mujoco": r"corrected: .* \d\.\de-1[3-9]",
 }

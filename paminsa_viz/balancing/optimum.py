@@ -16,6 +16,7 @@ from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
+from paminsa_viz.units import format_ascii
 
 WIDER = 100.0
 """How far bounds are widened to see which would have to move [kg]."""
@@ -114,8 +115,10 @@ class Shortfall:
 
     def text(self, name: str) -> str:
         """Return what is required and what is possible, with a name for the limit's label."""
-        least = f"the least possible is {self.attainable:.6g} {self.unit}"
-        return f"{name} of at most {self.limit:.6g} {self.unit} is required; {least}"
+        limit, attainable = (
+            format_ascii(value, self.unit, 6) for value in (self.limit, self.attainable)
+        )
+        return f"{name} of at most {limit} is required; the least possible is {attainable}"
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from paminsa_viz.synthesis.answer.engine_check import MujocoCheck
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
 from paminsa_viz.synthesis.search.front import DesignFront
-from paminsa_viz.units import NONE, counted, format_ascii, format_value, number
+from paminsa_viz.units import NONE, counted, format_ascii, format_value, number, unit_text
 
 OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
 """What marks an answer for which it was not required that the bodies do not overlap."""
@@ -157,8 +157,8 @@ def inner_blocks(result: SynthesisResult) -> list[Block]:
     costly = [item for item in inner.active if item.price > 0]
     chosen += [
         (
-            f"{item.name}, {item.side} {number(item.bound, 6)} {item.unit}",
-            f"price {number(item.price)} per {item.unit}",
+            f"{item.name}, {item.side} {number(item.bound, 6)} {unit_text(item.unit)}",
+            f"price {number(item.price)} per {unit_text(item.unit)}",
         )
         for item in costly
     ]
@@ -182,7 +182,8 @@ def price_blocks(result: SynthesisResult, prices: Sequence[RequirementPrice]) ->
                 format_value(end - result.objective, objective.unit, 3)
                 for end in (one.relaxed, one.tightened)
             ),
-            f"{number(one.price)} {objective.unit or '1'} per {one.unit or '1'}",
+            f"{number(one.price)} {unit_text(objective.unit) or '1'} per "
+            f"{unit_text(one.unit) or '1'}",
         )
         for one in prices
     )  # fmt: skip

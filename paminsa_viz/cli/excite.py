@@ -60,7 +60,7 @@ class Excite(JsonFlags, DesignFlags):
     harmonics: int = DEFAULTS.harmonics
     """Number of harmonics of each coordinate, 3 to 20."""
     max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
-    """Limit of the torque of M1, M2 and M3 [N m]; those of the design's drives by default, and 20
+    """Limit of the torque of M1, M2 and M3 [N·m]; those of the design's drives by default, and 20
     without drives."""
     max_force: Annotated[OrNone[float], tyro.conf.arg(metavar="N")] = None
     """Limit of the force of M4 [N]; by default that of its drive, and 1000 without one."""

@@ -80,7 +80,7 @@ class DesignFlags:
     """Branch of the knee 9: lower as Appendix 1 prints it, or upper, its mirror image; by default
     the design's own."""
     load: Annotated[OrNone[Wrench], tyro.conf.arg(metavar="FX FY FZ MX MY MZ")] = None
-    """External force [N] and moment [N m] on the platform, instead of the design's own. The
+    """External force [N] and moment [N·m] on the platform, instead of the design's own. The
     actuators do not see MX and MY: the bearings carry them."""
     load_point: Annotated[OrNone[Point], tyro.conf.arg(metavar="X Y Z")] = None
     """Point of the force, in mm from the platform's center, in the platform's frame."""

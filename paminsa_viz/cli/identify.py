@@ -63,7 +63,7 @@ class Identify(JsonFlags, DesignFlags):
     payload: Annotated[OrNone[tuple[str, float]], tyro.conf.arg(metavar="LOG KG")] = None
     """Third log, with a payload on the platform, and its mass [kg]; 0 if it was not weighed."""
     gains: Annotated[OrNone[tuple[float, float, float, float]], tyro.conf.arg(metavar="K")] = None
-    """Torque of M1 to M3 [N m/A] and force of M4 [N/A] for each ampere, for logs of currents."""
+    """Torque of M1 to M3 [N·m/A] and force of M4 [N/A] for each ampere, for logs of currents."""
     split: bool = False
     """Split logs at gaps, rows out of reach and singular ones, instead of refusing them."""
     start: Annotated[OrNone[Pose], tyro.conf.arg(metavar="X Y THETA Z")] = None

@@ -43,7 +43,7 @@ class Report(MotionFlags, PoseFlags, ComparedDesignFlags):
     """The rows of --file are waypoints of a motion that may pass type-2 singularities, in the
     shortest time within --max-torque."""
     max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
-    """Limit of the torque of M1, M2 and M3 for --cross [N m]."""
+    """Limit of the torque of M1, M2 and M3 for --cross [N·m]."""
     log: Annotated[OrNone[str], tyro.conf.arg(metavar="LOG")] = None
     """Log of the built robot to identify it from: a CSV file, or example; see paminsa-viz
     identify."""

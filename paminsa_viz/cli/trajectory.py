@@ -96,7 +96,7 @@ class LimitFlags:
     max_turn_jerk: Annotated[OrNone[float], tyro.conf.arg(metavar="DEG/S3")] = None
     """Limit of its turning jerk [°/s³]."""
     max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
-    """Limit of the torque of M1, M2 and M3 [N m]."""
+    """Limit of the torque of M1, M2 and M3 [N·m]."""
     max_force: Annotated[OrNone[float], tyro.conf.arg(metavar="N")] = None
     """Limit of the force of M4 [N]."""
 

@@ -112,7 +112,7 @@ def _check_inertia(mechanism: MechanismTree) -> None:
             held, least, unit = sum(part.mass for part in link.parts), LEAST_MASS, "kg"
         else:
             held = sum(part.inertia[1] + part.mass * part.center[0] ** 2 for part in link.parts)
-            least, unit = LEAST_INERTIA, "kg m^2"
+            least, unit = LEAST_INERTIA, "kg·m²"
         if held < least:
             raise InvalidInput(
                 "design",

@@ -165,7 +165,7 @@ def _tube(design: Design, bar: str) -> Point:
         raise InvalidDesign(
             f"inertias.{bar}_axial",
             axial,
-            f"no rigid body has more than twice its transverse inertia, {2 * across:.6g} kg m^2",
+            f"no rigid body has more than twice its transverse inertia, {2 * across:.6g} kg·m²",
         )
     return (axial, across, across)
 

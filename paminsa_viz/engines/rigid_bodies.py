@@ -81,7 +81,7 @@ def _check(body: Part) -> None:
     least = min(body.inertia)
     for value, limit, unit in (
         (body.mass, LEAST_MASS, "kg"),
-        (least, LEAST_INERTIA, "kg m^2"),
+        (least, LEAST_INERTIA, "kg·m²"),
     ):
         if not value >= limit:
             raise InvalidInput(

@@ -217,7 +217,7 @@ _NEEDED = {
     "quantity": 'the name of a quantity, such as "condition", is',
     "transmission": '"screw" or "belt", or nothing, is',
     "brake": "true or false is",
-    "envelope": "pairs of speed [rad/s] and torque [N m], [[0, 1.3], [300, 1.3]], are",
+    "envelope": "pairs of speed [rad/s] and torque [N·m], [[0, 1.3], [300, 1.3]], are",
     "joint": "a joint's number is",
 }
 

@@ -117,7 +117,7 @@ DRIVE_KEYS: dict[str, str] = {
 
 _MEANINGS = {
     "name": "motor and gear",
-    "envelope": "corners of the torque over the speed [rad/s, N m], at the motor shaft",
+    "envelope": "corners of the torque over the speed [rad/s, N·m], at the motor shaft",
     "transmission": "what turns the gear's output into a straight motion",
     "brake": "holds the load while the robot waits",
 }

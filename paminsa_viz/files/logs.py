@@ -112,7 +112,7 @@ def _torque_columns(found: set[str], source: str, gains: Sequence[float] | None)
         needed = ",".join(MEASURED)
         raise TableFileError(source, f"torques are missing: {needed}, or currents with gains")
     if currents and gains is None:
-        raise TableFileError(source, "currents need gains [N m/A, N m/A, N m/A, N/A]")
+        raise TableFileError(source, "currents need gains [N·m/A, N·m/A, N·m/A, N/A]")
     if not currents and gains is not None:
         raise TableFileError(source, "gains are for currents, and the log has torques")
     if gains is not None:

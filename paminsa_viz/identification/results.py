@@ -96,7 +96,7 @@ def problem_of(estimates: Sequence[Estimate]) -> str:
     factor = float(f"{gain:.1g}")
     return (
         f"the masses come out at about {factor:g} times those of the design: check the units of "
-        "the torques [N m] and of force4 [N], or the gains"
+        "the torques [N·m] and of force4 [N], or the gains"
     )
 
 

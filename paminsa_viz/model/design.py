@@ -118,9 +118,7 @@ class Design(Group, path="design"):
         super().__post_init__()
         tilt = self.elastic.platform_tilt_inertia
         if tilt is not None and 2 * tilt < self.platform.inertia:
-            allowed = (
-                f"no rigid body has less than I_pl/2, {0.5 * self.platform.inertia:.6g} kg m^2"
-            )
+            allowed = f"no rigid body has less than I_pl/2, {0.5 * self.platform.inertia:.6g} kg·m²"
             raise InvalidDesign(TILT_INERTIA, tilt, allowed)
 
     def value(self, path: str) -> float:

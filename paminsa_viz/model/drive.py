@@ -282,7 +282,7 @@ def checked_envelope(envelope: object) -> Envelope:
     try:
         points = tuple((float(speed), float(torque)) for speed, torque in envelope)  # type: ignore[union-attr]
     except (TypeError, ValueError):
-        raise refused("pairs of speed [rad/s] and torque [N m] are needed") from None
+        raise refused("pairs of speed [rad/s] and torque [N·m] are needed") from None
     if not points:
         return ()
     if not 2 <= len(points) <= MOST_POINTS:

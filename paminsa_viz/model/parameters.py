@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.units import DisplayUnit, display_unit, format_ascii
+from paminsa_viz.units import DisplayUnit, display_unit, format_ascii, unit_text
 
 # ----------------------------------------------------------------- ranges of numbers by their units
 
@@ -52,7 +52,7 @@ def range_text(least: float, most: float, unit: str, *, positive: bool, signed: 
         text = f"a finite number above 0, from {least:g} to {most:g}, is needed"
     else:
         text = f"a finite number of at least 0 and at most {most:g} is needed"
-    return f"{text} [{unit}]" if unit else text
+    return f"{text} [{unit_text(unit)}]" if unit else text
 
 
 def checked_number(

@@ -344,7 +344,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "crossing.md",
-        "The turn takes 0.372 s by 10 N m, Appendix 4",
+        "The turn takes 0.372 s by 10 N·m, Appendix 4",
         "planned again",
         "s",
         5e-4,
@@ -353,7 +353,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "crossing.md",
-        "The turn takes 0.346 s by 10 N m, balanced",
+        "The turn takes 0.346 s by 10 N·m, balanced",
         "planned again",
         "s",
         5e-4,
@@ -371,7 +371,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "crossing.md",
-        "Torques keep 10 N m on both sides of the crossing",
+        "Torques keep 10 N·m on both sides of the crossing",
         "inverse dynamics of the samples, excess in parts of the limit",
         "",
         3e-3,

@@ -169,7 +169,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"goes up to {WIDEST:g} times the lower one".replace("e+0", "e"),
     ]
     forces = [
-        f"{rotary.rated:g} N m and {rotary.speed:g} rad/s for M1 to M3, {lift.rated:g} N and "
+        f"{rotary.rated:g} N·m and {rotary.speed:g} rad/s for M1 to M3, {lift.rated:g} N and "
         f"{lift.speed:g} m/s for M4"
     ]
     assert missing("drives", drives) == missing("forces", forces) == []

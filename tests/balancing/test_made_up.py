@@ -128,7 +128,7 @@ def test_what_does_not_fit_is_said_with_what_would() -> None:
     short = Shortfall("peak", "N m", 1.23456789, 2.3456789)
     moves = (Relaxation("a", "high", 1.0, 1.23456789), Relaxation("b", "low", 0.5, 0.25))
     assert InfeasibleBounds((short,), moves).sentences(str.upper) == [
-        "PEAK of at most 1.23457 N m is required; the least possible is 2.34568 N m",
+        "PEAK of at most 1.23457 N·m is required; the least possible is 2.34568 N·m",
         "raise the upper bound of A from 1 kg to 1.23457 kg",
         "lower the lower bound of B from 0.5 kg to 0.25 kg",
     ]

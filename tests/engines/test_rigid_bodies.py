@@ -98,7 +98,7 @@ def test_a_heavy_slider_takes_no_more_than_half_of_the_guides_inertia() -> None:
 
 def test_the_least_body_that_is_taken_has_a_milligram_and_a_square_millimeter_of_a_gram() -> None:
     for mass, inertia, refused in (
-        (1e-6, 1e-9, ""), (0.99e-6, 1e-9, "kg;"), (1e-6, 0.99e-9, "kg m^2;"),
+        (1e-6, 1e-9, ""), (0.99e-6, 1e-9, "kg;"), (1e-6, 0.99e-9, "kg·m²;"),
     ):  # fmt: skip
         body = Part("b", mass, (0.0, 0.0, 0.0), (1.0, inertia, 1.0))
         if not refused:
@@ -112,7 +112,7 @@ def test_the_least_body_that_is_taken_has_a_milligram_and_a_square_millimeter_of
     ("change", "text"),
     [
         ({"joints.j8": 0.0}, "leg1_slider with its joints has 0 kg"),
-        ({"platform.inertia": 0.0, "payload.inertia": 0.0}, "platform with its joints has 0 kg m"),
+        ({"platform.inertia": 0.0, "payload.inertia": 0.0}, "platform with its joints has 0 kg·m²"),
         ({"links.b1": 0.0}, "lift with its joints has 0 kg"),
     ],
 )

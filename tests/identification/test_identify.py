@@ -376,7 +376,7 @@ def test_torques_of_another_unit_are_suspected_and_robots_of_another_weight_are_
                               (100.0, True), (1e3, True)):  # fmt: skip
         scaled = make_log(log.t, log.position, factor * log.torque)
         found = identify(APPENDIX_4, scaled, QUICK)
-        assert ("N m" in found.problem) == suspected, factor
+        assert ("N·m" in found.problem) == suspected, factor
         assert (f"about {factor:g} times" in found.problem) == suspected, factor
         assert (found.problem in found.notes) == suspected, factor
     # a weight where the design is balanced is no other unit, nor is noise

@@ -29,6 +29,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.design import OPTIONAL_GROUPS
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, SMALLEST, possible_range
+from paminsa_viz.units import unit_text
 from tests.support import samples
 from tests.support.samples import possible_values
 
@@ -109,7 +110,7 @@ def expect_refusal(parameter: Parameter, value: Any) -> None:
         assert error.value is value
         least = "above 0" if parameter.positive else "at least 0"
         assert parameter.signed or least in error.allowed
-        assert f"[{parameter.unit}]" in error.allowed or not parameter.unit
+        assert f"[{unit_text(parameter.unit)}]" in error.allowed or not parameter.unit
         assert str(error) == f"{path} = {value!r:.{LONGEST_VALUE}} is not possible: {error.allowed}"
         assert isinstance(error, PaminsaError)
         assert isinstance(error, ValueError)

@@ -106,7 +106,7 @@ def test_torques_beyond_the_limit_are_noticed_at_one_sample(
         monkeypatch.setattr(
             claims, "inverse_dynamics", lambda *a, c=change, s=sign: c(right(*a), s)
         )
-        claim = starting("Torques keep 10 N m")
+        claim = starting("Torques keep 10 N·m")
         assert not MeasuredClaim(claim, claim.measure()).holds
 
 
@@ -186,7 +186,7 @@ def test_paths_and_limits_are_those_of_the_pages() -> None:
     limits = claims._MOTION_LIMITS
     head = (
         f"{limits.speed:g} m/s, {limits.turn_speed:g} rad/s, {limits.acceleration:g} m/s², "
-        f"{limits.turn_acceleration:g} rad/s² | those, {limits.torque:g} N m, {limits.force:g} N |"
+        f"{limits.turn_acceleration:g} rad/s² | those, {limits.torque:g} N·m, {limits.force:g} N |"
     )
     assert missing("motions", [head]) == []
 
