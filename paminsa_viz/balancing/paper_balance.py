@@ -37,11 +37,14 @@ MASSES_IN_MP2 = (
 """Masses that stand in M_p2 (Appendix 2)."""
 
 MOST_ADDED = 20.0
-"""By how much each of them may grow by default [kg]."""
+"""By how much each of them may grow by default, at least [kg]."""
+
+MOST_TIMES = 8.0
+"""The same over what they weigh together, for robots whose masses are larger than Appendix 4's."""
 
 
 @of_design
-def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
+def paper_changes(design: Design, most: float | None = None) -> Changes:
     """Return what the paper's balance may change: the masses in M_p2, each only upward.
 
     What is there can carry a weight; that it could be made lighter is not known. Moments of inertia
@@ -49,9 +52,12 @@ def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
 
     Args:
         design: The design.
-        most: By how much each mass may grow [kg].
+        most: By how much each mass may grow [kg]; default `MOST_ADDED`, or `MOST_TIMES` the sum of
+            these masses of a leg if that is more.
     """
     held = {path: design.value(path) for path in MASSES_IN_MP2}
+    if most is None:
+        most = max(MOST_ADDED, MOST_TIMES * sum(held.values()))
     return Changes(
         tuple(MassRange(p, m, min(m + most, MOST), inertia_follows=False) for p, m in held.items())
     )

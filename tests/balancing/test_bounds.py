@@ -34,10 +34,22 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.balancing.changes import MOST, mass_space
 from paminsa_viz.balancing.optimum import LARGEST, WIDER
-from paminsa_viz.balancing.paper_balance import MASSES_IN_MP2, MOST_ADDED, paper_changes
+from paminsa_viz.balancing.paper_balance import (
+    MASSES_IN_MP2,
+    MOST_ADDED,
+    MOST_TIMES,
+    paper_changes,
+)
 from paminsa_viz.balancing.program import Solution
 from paminsa_viz.balancing.springs import STIFFEST, Anchor, springs_of
-from paminsa_viz.model import APPENDIX_4, Grid, InvalidDesign, InvalidInput
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    Grid,
+    InvalidDesign,
+    InvalidInput,
+    static_imbalance,
+)
 from paminsa_viz.model.parameters import LARGEST as LARGEST_BY_UNIT
 from tests.support.documentation import defaults_of, missing
 
@@ -95,7 +107,8 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
 
 def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     sentences = [
-        f"each only upward and by {MOST_ADDED:g} kg at most",
+        f"each only upward and by {MOST_ADDED:g} kg at most, in a heavier robot by "
+        f"{MOST_TIMES:g} times what they weigh together on a leg",
         f"least movement, by up to {WIDER:g} kg, would do",
     ]
     assert missing("balancing", sentences) == []
@@ -181,6 +194,18 @@ def test_the_papers_balance_may_add_to_the_masses_in_m_p2_alone() -> None:
     assert paper_changes(APPENDIX_4) == paper_changes(APPENDIX_4, MOST_ADDED)
     assert {item.path: item.high for item in paper_changes(heavy).masses}["joints.j7"] == MOST
     assert balance(APPENDIX_4).after == balance(APPENDIX_4, paper_changes(APPENDIX_4)).after
+
+
+def test_a_robot_of_ten_times_the_lengths_is_balanced_within_the_default_bounds() -> None:
+    """Its masses are 1000 times Appendix 4's, as is the mass that has to be added."""
+    paths = [path for path in PARAMETER if path.split(".")[0] in ("joints", "links")]
+    lengths = [path for path, item in PARAMETER.items() if item.group == "geometry"]
+    lengths = [path for path in lengths if PARAMETER[path].unit == "m"]
+    sizes = {path: 1e3 * APPENDIX_4.value(path) for path in paths}
+    large = APPENDIX_4.vary(sizes | {path: 10 * APPENDIX_4.value(path) for path in lengths})
+    added = [found.values[1].after for found in (balance(APPENDIX_4), balance(large))]
+    assert added[1] == pytest.approx(1e3 * added[0])
+    assert static_imbalance(balance(large).after) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_masses_count_as_often_as_the_robot_has_them() -> None:
