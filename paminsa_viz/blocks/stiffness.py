@@ -10,7 +10,7 @@ import numpy as np
 
 from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, aligned, heading, shown
-from paminsa_viz.elastostatics.beams import TubeFit
+from paminsa_viz.elastostatics.beams import TubeFit, tube_fits
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
 from paminsa_viz.elastostatics.leg_frame import contacts
 from paminsa_viz.elastostatics.stiffness import (
@@ -43,6 +43,9 @@ AXIS_KEYS = ("x", "y", "z", "", "", "theta")
 DIGITS = 4
 """Of stiffness and frequencies."""
 
+OTHER_TUBES = 3.0
+"""How many times as heavy or as light as its link a tube is one of another robot."""
+
 LEAST_SHARE = 0.0005
 """Smallest share in the strain energy that is listed."""
 
@@ -68,7 +71,9 @@ def stiffness_blocks(
     design: Design, found: PlatformStiffness, *, shear: bool = False
 ) -> list[Block]:
     """Return stiffness, deflection, shares of the parts and natural frequencies at a pose."""
+    other = other_tubes(tube_fits(design))
     return [
+        *([Note(other, "warn")] if other else []),
         directions_table(design, found),
         Note(
             f"Least horizontal stiffness: {softest_text(found)}. {_ellipsoid_text(design, found)}"
@@ -76,6 +81,24 @@ def stiffness_blocks(
         *_loaded(design, found.pose, shear=shear),
         *_vibration(design, found.pose, shear=shear),
     ]
+
+
+def other_tubes(fits: Sequence[TubeFit]) -> str:
+    """Return which tubes weigh quite another thing than the design's links; "" if none do.
+
+    The defaults of [elastic] are tubes of Appendix 4's lengths and masses, whatever the design's.
+    """
+    far = {
+        fit.bar: 1.0 / fit.mass_ratio for fit in fits
+        if fit.mass_ratio > 0.0 and not 1 / OTHER_TUBES <= fit.mass_ratio <= OTHER_TUBES
+    }  # fmt: skip
+    if not far:
+        return ""
+    times = ", ".join(f"{bar} {number(ratio, 2)}" for bar, ratio in far.items())
+    return (
+        f"The tubes weigh other than the design's links ({times} times as much): the stiffness is "
+        "that of these tubes. Give the robot's own diameters."
+    )
 
 
 def sections_table(design: Design, fits: Sequence[TubeFit]) -> Table:
@@ -86,7 +109,8 @@ def sections_table(design: Design, fits: Sequence[TubeFit]) -> Table:
         outer, inner = (number(MM * end) for end in ends)
         ratios = (fit.mass_ratio, fit.slender_ratio, fit.transverse_ratio, fit.axial_ratio)
         texts = (number(ratio, 3) for ratio in ratios)
-        rows.append(Row((fit.bar, f"{outer}/{inner} mm", f"{fit.mass:.3f} kg", *texts)))
+        mass = f"{fit.mass:.3f} kg" if fit.mass >= 0.1 else format_value(fit.mass, "kg", 3)
+        rows.append(Row((fit.bar, f"{outer}/{inner} mm", mass, *texts)))
     head = ("", "Tube", "Mass", "Link/tube", "I_YY/(m l²/12)", "I_YY/tube", "I_XX/tube")
     caption = "Tubes of [elastic], and the links' masses and inertias over theirs."
     return Table(head, tuple(rows), caption)

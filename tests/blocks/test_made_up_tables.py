@@ -443,6 +443,11 @@ def test_tubes_and_the_ellipsoid_of_compliance() -> None:
     assert cells(stiffness.sections_table(design, [fit])) == [  # type: ignore
         ("B1", "61/53 mm", "1.235 kg", "0.123", "0.235", "0.346", "0.457")
     ]
+    fit.mass = 0.00123456
+    assert cells(stiffness.sections_table(design, [fit]))[0][2] == "0.00123 kg"  # type: ignore
+    others = [SimpleNamespace(bar=f"B{i}", mass_ratio=r) for i, r in enumerate((0, 0.3, 0.4, 2, 5))]
+    assert "(B1 3.3, B4 0.2 times" in stiffness.other_tubes(others)  # type: ignore
+    assert stiffness.other_tubes(others[2:4]) == ""  # type: ignore
     table = stiffness._data(design)
     assert table.words == 2
     assert cells(table)[4][:2] == ("B1", "tube 61/53 mm")

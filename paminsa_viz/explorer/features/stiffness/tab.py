@@ -13,6 +13,7 @@ from paminsa_viz.blocks.stiffness import (
     deflection_table,
     directions_table,
     modes_table,
+    other_tubes,
     shares_table,
     softest_text,
 )
@@ -231,8 +232,9 @@ def shares_html(frame: Frame) -> str:
 
 
 def sections_html(frame: Frame) -> str:
-    """Return what tubes cannot match: the inertias of Appendix 4."""
+    """Return what tubes do not match: the design's masses, or the inertias of Appendix 4."""
     fits = tube_fits(frame.state.document.design)
+    other = other_tubes(fits)
     far = {fit.bar: fit.transverse_ratio for fit in fits if fit.transverse_ratio > 1.5}
     elastic = frame.state.document.design.elastic
     given = [
@@ -240,7 +242,7 @@ def sections_html(frame: Frame) -> str:
         for bar in BARS
         if any(getattr(elastic, f"{bar}_{name}") is not None for name in SECTION_VALUES)
     ]
-    return render("stiffness/sections.j2", far=far, given=given)
+    return render("stiffness/sections.j2", other=other, far={} if other else far, given=given)
 
 
 def _modes(state: State) -> dict[str, int]:

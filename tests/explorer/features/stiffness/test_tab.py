@@ -130,6 +130,9 @@ def test_what_tubes_cannot_match_is_said() -> None:
     assert "section values" not in text
     given = actions.vary(initial_state(), {"elastic.b4_inertia_in": 1e-7})
     assert "B4: section values" in " ".join(panel.sections_html(compute(given)).split())
+    light = actions.vary(initial_state(), {"links.b4": 0.0672})
+    assert "(B4 10 times as much)" in panel.sections_html(compute(light))
+    assert "inertias" not in panel.sections_html(compute(light))
 
 
 def test_joints_and_sections_that_are_left_open_are_zero() -> None:
