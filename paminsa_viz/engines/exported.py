@@ -16,7 +16,7 @@ from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import require_reachable
@@ -27,7 +27,11 @@ LEAST_MASS = 1e-3
 """Least mass of a sliding link at an end of the tree, its joints included [kg]."""
 
 LEAST_INERTIA = 1e-6
-"""Least inertia about its hinge of a turning link at an end of the tree [kg m^2]."""
+"""Least inertia about its hinge of a turning link at an end of the tree [kg m^2].
+
+Both are of robots not shorter than Appendix 4's. What counts is a link beside the others that the
+closures tie it to, so that a shorter robot's are smaller as lengths cubed, and to the fifth.
+"""
 
 WORST_CONDITION = 1e4
 """Condition number from which a pose counts as singular; gains would be as large as its square."""
@@ -57,7 +61,7 @@ def exported_mjcf(
             the model.
         UnreachablePose: If the robot cannot be in the start pose.
     """
-    _check_inertia(build_mechanism(design))
+    _check_inertia(build_mechanism(design), _span(design) / _span(APPENDIX_4))
     start = _held_pose(design, pose)
     holding = static_torques(design, start)
     text = mjcf_text(
@@ -99,20 +103,29 @@ def _servos(design: Design, pose: Array) -> Servos:
     return Servos.critical(j.T @ mass_matrix(design, pose) @ j)
 
 
-def _check_inertia(mechanism: MechanismTree) -> None:
+def _span(design: Design) -> float:
+    return design.geometry.crank_length + design.geometry.coupler_length
+
+
+def _check_inertia(mechanism: MechanismTree, size: float) -> None:
     """Refuse links that nothing but the stiff closures would hold back.
 
     Links that carry others may be without mass, and so may the platform's turns.
+
+    Args:
+        mechanism: The robot.
+        size: Its lengths over Appendix 4's.
     """
+    shorter = min(size, 1.0)
     carriers = {link.parent for link in mechanism.links}
     for link in mechanism.links:
         if link.name in carriers or link.name == PLATFORM:
             continue
         if link.joints[-1].kind == "slide":
-            held, least, unit = sum(part.mass for part in link.parts), LEAST_MASS, "kg"
+            held, least, unit = sum(part.mass for part in link.parts), LEAST_MASS * shorter**3, "kg"
         else:
             held = sum(part.inertia[1] + part.mass * part.center[0] ** 2 for part in link.parts)
-            least, unit = LEAST_INERTIA, "kg·m²"
+            least, unit = LEAST_INERTIA * shorter**5, "kg·m²"
         if held < least:
             raise InvalidInput(
                 "design",

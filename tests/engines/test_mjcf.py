@@ -16,7 +16,7 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.parameters import Friction
@@ -216,6 +216,29 @@ def test_a_gram_at_a_slide_or_a_gram_square_meter_in_a_thousand_at_a_hinge_is_en
         with pytest.raises(InvalidInput, match=f"MuJoCo cannot move less than {unit}$"):
             exported_mjcf(APPENDIX_4.vary(masses | {path: least * (1 - 1e-9)}))
     exported_mjcf(APPENDIX_4.vary(masses | {"joints.j3": 1e-3}))
+
+
+def test_a_robot_of_a_tenth_of_the_lengths_stands_as_the_prototype_does(mujoco: Any) -> None:
+    """Its links are light, but not beside each other: nothing moves by a micrometer."""
+    powers = {"m": 1, "kg": 3, "kg m^2": 5}
+    groups = ("geometry", "joints", "links", "inertias", "platform")
+    small = APPENDIX_4.vary(
+        {
+            path: 0.1 ** powers[item.unit] * APPENDIX_4.value(path)
+            for path, item in PARAMETER.items()
+            if path.split(".")[0] in groups and item.unit in powers
+        }
+    )
+    moved = []
+    for design in (APPENDIX_4, small):
+        model = mujoco.MjModel.from_xml_string(exported_mjcf(design))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        start = data.qpos.copy()
+        for _ in range(100):
+            mujoco.mj_step(model, data)
+        moved.append(np.abs(data.qpos - start).max())
+    assert moved[1] < 1e-6 > moved[0]
 
 
 def test_torques_and_loads_are_linear_between_the_times(mujoco: Any) -> None:
