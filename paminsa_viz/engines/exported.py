@@ -16,10 +16,11 @@ from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import require_reachable
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
 
@@ -61,7 +62,7 @@ def exported_mjcf(
             the model.
         UnreachablePose: If the robot cannot be in the start pose.
     """
-    _check_inertia(build_mechanism(design), _span(design) / _span(APPENDIX_4))
+    _check_inertia(build_mechanism(design), length_ratio(design.geometry))
     start = _held_pose(design, pose)
     holding = static_torques(design, start)
     text = mjcf_text(
@@ -101,10 +102,6 @@ def _held_pose(design: Design, pose: Sequence[float] | None) -> Array:
 def _servos(design: Design, pose: Array) -> Servos:
     j = jacobian(design.geometry, pose)
     return Servos.critical(j.T @ mass_matrix(design, pose) @ j)
-
-
-def _span(design: Design) -> float:
-    return design.geometry.crank_length + design.geometry.coupler_length
 
 
 def _check_inertia(mechanism: MechanismTree, size: float) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.elastic import SECTION_VALUES
 from paminsa_viz.model.leg_points import bar_length, counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_of_masses, mass_vector, point_mass_column
@@ -134,6 +134,15 @@ def _grown_sections(design: Design, after: Geometry) -> dict[str, float | None]:
             if given is not None:
                 found[f"elastic.{bar}_{key}"] = ratio ** _SECTION_POWERS[key] * given
     return found
+
+
+def length_ratio(geometry: Geometry) -> float:
+    """Return how long crank plus coupler are over Appendix 4's; the reach grows with them."""
+    return _span(geometry) / _span(APPENDIX_4.geometry)
+
+
+def _span(geometry: Geometry) -> float:
+    return geometry.crank_length + geometry.coupler_length
 
 
 @of_design

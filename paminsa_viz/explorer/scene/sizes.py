@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from paminsa_viz.model import APPENDIX_4, Geometry
+from paminsa_viz.model import Geometry
+from paminsa_viz.model.resizing import length_ratio
 
 LEAST: Final = 0.5
 """Smallest size: bars and motors of a small robot are drawn as thick as those of any."""
@@ -13,10 +14,6 @@ LEAST: Final = 0.5
 def symbol_size(geometry: Geometry) -> float:
     """Return how large symbols are, next to those at Appendix 4's lengths.
 
-    In proportion to crank plus coupler, with which the reach grows.
+    In proportion to its lengths.
     """
-    return round(max(_span(geometry) / _span(APPENDIX_4.geometry), LEAST), 2)
-
-
-def _span(geometry: Geometry) -> float:
-    return geometry.crank_length + geometry.coupler_length
+    return round(max(length_ratio(geometry), LEAST), 2)

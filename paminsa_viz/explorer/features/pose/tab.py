@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import ceil, floor
 
 import numpy as np
@@ -19,6 +20,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.units import display_unit, fixed
 
 LEVELS = {
@@ -84,20 +86,24 @@ def torques_html(frame: Frame) -> str:
 
 
 AMPLE, SMALL, TINY = 0.2, 0.05, 0.01
-"""Margins to a limit [m]: of a full bar, and below which a bar is amber or red."""
+"""Margins to a limit, at Appendix 4's lengths [m]: of a full bar, and below which a bar is amber or
+red."""
 
 
-def _margin_level(margin: float) -> str:
+def _margin_level(margin: float, size: float) -> str:
+    margin /= size
     return "bad" if margin < TINY else "warn" if margin < SMALL else "ok"
 
 
 def quality_html(frame: Frame) -> str:
     """Return static imbalance, condition, distances to singularities and the legs' margins."""
+    size = length_ratio(frame.configuration.geometry)
     text = render(
         "pose/quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
         margins=frame.configuration.reach.margins, finite=np.isfinite,
         limits={limit.label: index for index, limit in enumerate(MARGINS)},
-        level=_margin_level, share=lambda margin: f"{min(max(margin / AMPLE, 0.0), 1.0):.3f}",
+        level=partial(_margin_level, size=size),
+        share=lambda margin: f"{min(max(margin / (AMPLE * size), 0.0), 1.0):.3f}",
     )  # fmt: skip
     return of_pose(frame, text)
 

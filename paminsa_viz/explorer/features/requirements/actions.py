@@ -18,6 +18,7 @@ from paminsa_viz.explorer.state.requirements import LargestJob, LargestOutcome
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.progress import Progress
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import (
@@ -33,6 +34,12 @@ if TYPE_CHECKING:
 
 TURN = math.radians(30)
 """Half of the range of headings that is suggested [rad]."""
+
+REACH_MARGIN = 0.01
+"""Margin to the limits of reach that is suggested, if the design keeps it [m]."""
+
+OWN_HALF_HEIGHT = 0.1
+"""Half of a requirement's own range of heights at first, at Appendix 4's lengths [m]."""
 
 
 class Side(Enum):
@@ -213,8 +220,9 @@ def set_own_range(state: State, name: str, on: bool) -> State:
     if on and name == "theta":
         own = state.document.requirements.theta
     elif on:
-        z = home_pose(state.document.design.geometry)[3]
-        own = (round(z - 0.1, 3), round(z + 0.1, 3))
+        geometry = state.document.design.geometry
+        z, half = home_pose(geometry)[3], OWN_HALF_HEIGHT * length_ratio(geometry)
+        own = (round(z - half, 3), round(z + half, 3))
     return edit(state, **{name: own})
 
 
@@ -225,7 +233,8 @@ def suggest(state: State) -> State:
         state, workspace=state.document.requirements.workspace or default_workspace(state.document)
     )
     bounds = [suggested(state.document, key) for key in SUGGESTED]
-    bounds[-1] = Requirement("reach_margin", low=0.01)
+    margin = bounds[-1].low or 0.0
+    bounds[-1] = replace(bounds[-1], low=min(margin, REACH_MARGIN))
     return select(change(state, bounds=tuple(bounds)), 0)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +16,18 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.features.pose.tab import GRAIN, POSE, heights, holding, pose_limits
+from paminsa_viz.explorer.features.pose.tab import (
+    GRAIN,
+    POSE,
+    heights,
+    holding,
+    pose_limits,
+    quality_html,
+)
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.state import initial_state
-from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
+from paminsa_viz.model import APPENDIX_4, PARAMETER, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
@@ -65,6 +73,19 @@ def shown(desk: Desk, name: str = "z") -> tuple[float, float, float]:
     """Return value and ends of a slider, in mm."""
     slider = desk.handle(f"pose.{name}")
     return slider.value, slider.min, slider.max
+
+
+def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
+    texts = []
+    for factor in (1.0, 0.1):
+        lengths = {
+            path: factor * APPENDIX_4.value(path)
+            for path, item in PARAMETER.items()
+            if path.startswith("geometry.") and item.unit == "m"
+        }
+        text = quality_html(compute(initial_state(APPENDIX_4.vary(lengths))))
+        texts.append(re.findall('"pv-(ok|warn|bad)"', text))
+    assert texts == [["ok"] * 12] * 2
 
 
 def test_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
