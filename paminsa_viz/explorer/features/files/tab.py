@@ -12,7 +12,7 @@ from viser import Icon
 from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.links import link_of
-from paminsa_viz.explorer.core.saved_requirements import of_file, require_possible
+from paminsa_viz.explorer.core.saved_requirements import asked, of_file, require_possible
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, example_named, open_example
 from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message, Run, Upload
@@ -70,10 +70,14 @@ def _download(session: Session) -> None:
 
 def _open(session: Session, name: str, content: bytes) -> None:
     found = uploaded_content(name, content)
-    session.dispatch(
-        "file.open", lambda state: open_content(state, found),
-        then=lambda: session.notify("Design opened", found.design.name or name, of_step=True),
-    )  # fmt: skip
+
+    def say() -> None:
+        text = found.design.name or name
+        if found.requirements is None and asked(session.state.document.requirements):
+            text += "; the file has no requirements, those of before stay"
+        session.notify("Design opened", text, of_step=True)
+
+    session.dispatch("file.open", lambda state: open_content(state, found), then=say)
 
 
 def _save_page(session: Session) -> None:

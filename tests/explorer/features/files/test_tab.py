@@ -25,10 +25,12 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
 
 PANEL = FILE
+CONDITION = Requirements((Requirement("condition", high=10.0),))
 LIGHT = APPENDIX_4.vary({"links.b3": 0.25, "geometry.base_radius": 0.3})
 
 
@@ -112,12 +114,24 @@ def test_uploaded_design_is_opened_and_undone(desk: Desk) -> None:
     upload(desk, "light.toml", write_design(LIGHT).encode())
     desk.until(lambda: desk.design == LIGHT)
     desk.noticed("Design opened")
+    assert not any("requirements" in text for _, text in desk.notices)
     desk.session.undo()
     desk.until(lambda: desk.design == APPENDIX_4)
     desk.dispatch(lambda s: actions.load_design(s, LIGHT))
     receive_example(desk.session, "appendix-4")
     desk.until(lambda: desk.design == APPENDIX_4)
     assert desk.design.name == APPENDIX_4.name
+
+
+def test_it_is_said_that_requirements_stay_where_a_file_has_none(desk: Desk) -> None:
+    desk.dispatch(lambda s: actions.change_document(s, requirements=CONDITION))
+    upload(desk, "light.toml", write_design(LIGHT).encode())
+    desk.noticed("the file has no requirements, those of before stay")
+    assert desk.session.state.document.requirements == CONDITION
+    desk.notices.clear()
+    upload(desk, "heavy.toml", write_design(APPENDIX_4, requirements=CONDITION).encode())
+    desk.noticed("Design opened")
+    assert not any("requirements" in text for _, text in desk.notices)
 
 
 def test_design_without_a_name_is_called_after_its_file(desk: Desk) -> None:
