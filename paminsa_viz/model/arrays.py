@@ -53,9 +53,17 @@ def as_numbers(values: ArrayLike, argument: str) -> Array:
     except ValueError:
         raise InvalidInput(argument, "the rows have different lengths") from None
     if array.dtype.kind not in "buif":
-        came = type(values).__name__ if array.dtype.kind == "O" else array.dtype.name
+        came = _of_objects(array) if array.dtype.kind == "O" else array.dtype.name
         raise InvalidInput(argument, f"real numbers are needed, not {came}")
     return array.astype(np.float64, copy=False)
+
+
+def _of_objects(array: NDArray[np.object_]) -> str:
+    """Return what is in an array of objects, as a list with a None or mixed columns make."""
+    for value in array.flat:
+        if not isinstance(value, int | float | np.number):
+            return type(value).__name__
+    return "objects: array.astype(float) makes them numbers"
 
 
 def aligned(**vectors: Any) -> list[Array]:

@@ -147,6 +147,8 @@ def test_most_functions_of_geometries_are_called() -> None:
         ([0.0, 0.0, 0.0], r"^pose: .* 4 entries; the shape is \(3,\)$"),
         (["a", "b", "c", "d"], r"^pose: real numbers are needed, not str"),
         (None, r"^pose: real numbers are needed, not NoneType$"),
+        ([0.0, None, 0.0, 0.0], r"^pose: real numbers are needed, not NoneType$"),
+        (np.zeros(4, object), r"^pose: real numbers are needed, not objects: array.astype"),
         ([0.0, 0.0, 0.0, 1j], r"^pose: real numbers are needed, not complex128$"),
     ],
 )
