@@ -208,7 +208,9 @@ def test_poses_near_limits_are_found_on_the_robot_s_side_or_not_at_all() -> None
     assert (found.slides[found.ok] < 0).all()
     assert set(reasons(found)) >= {Closure.OK, Closure.OPEN, Closure.SINGULAR}
     lost = (~found.ok).mean()
-    assert 0.04 < lost < 0.058  # 5.6 %; 6.0 % if the whole step has to do
+    assert 0.04 < lost < 0.055  # 5.4 %; 5.8 % if the whole step has to do
+    # all but a few of those for which no solution is found have met a singularity on the way
+    assert 0 < (found.status == Closure.DIVERGED).sum() < 20
     state = np.concatenate([found.coordinates, found.slides, found.actuators], axis=-1)[found.ok]
     closed = closure_equations(lengths[found.ok], state, g.knee.sign)
     assert np.abs(closed.gap).max() < 1e-12
