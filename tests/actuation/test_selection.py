@@ -21,12 +21,13 @@ from paminsa_viz.actuation.duty import (
 )
 from paminsa_viz.actuation.ratios import catalog_ratios, ratio_intervals
 from paminsa_viz.actuation.selection import Selection, cloud, figures, select_drives, size_design
-from paminsa_viz.actuation.sizing import _weights, fitting_time, size_drives, thermal_share
+from paminsa_viz.actuation.sizing import LIMITS, _weights, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.trajectory import PRESET
 from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
+from tests.support.documentation import missing
 
 
 @cache
@@ -69,6 +70,22 @@ def test_figures_are_those_of_the_motors_own_torque_and_speed() -> None:
                 assert given.ratios == pytest.approx(ends)
             else:
                 assert np.isnan(given.ratios).all()
+
+
+def test_what_a_screw_itself_takes_of_a_gear_is_as_documented() -> None:
+    load, screw = cycle().loads[3], generic_catalog().transmissions[0]
+    assert (screw.transmission, screw.lead) == ("screw", 0.005)
+    own = np.abs(screw.inertia * screw.ratio * load.signals[3]).max()
+    gear = Drive(gear_ratio=3.0, gear_peak_torque=1.0)
+    table = drive_table([combined(replace(SERVO, rotor_inertia=0.0), gear, screw)])
+    used = float(size_drives(load, table).shares[0, LIMITS.index("peak torque of the gear")])
+    assert used == pytest.approx(load.peak / (screw.ratio * screw.lead_efficiency))
+    assert PRESET["arch"].build(APPENDIX_4.geometry).duration == 1.2
+    sentences = [
+        f"On the preset's arch of 1.2 s it is up to {own:.3f} N·m",
+        f"the load takes {used:.2f} N·m through the catalog's ball screw of 5 mm",
+    ]
+    assert missing("drives", sentences) == []
 
 
 def test_a_drive_without_limits_names_none() -> None:
