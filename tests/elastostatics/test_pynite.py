@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paminsa_viz.elastostatics.leg_matrices import leg_matrices
+from paminsa_viz.elastostatics.modes import natural_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
-from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.elastostatics.vibration import whole_matrices
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from tests.elastostatics.robots import POSE, elastic_design, poses_of
 
 pytest.importorskip("Pynite", reason="PyNiteFEA comes with the extra 'test'")
-from tests.elastostatics.pynite_model import compliance
+from tests.elastostatics.pynite_model import compliance, frequencies
 
 LENGTHS = np.array([1, 1, 1, 10, 10, 10])
 """Rotations count as displacements at 0.1 m."""
@@ -35,3 +38,29 @@ def test_shaft_that_is_welded_to_the_guide_link_is_another_robot() -> None:
     """What PyNite makes of the root of B10 where it is: half as stiff again in every direction."""
     assert difference(APPENDIX_4, np.array(POSE)) < 1e-5
     assert difference(APPENDIX_4, np.array(POSE), aside=0.0) > 0.05
+
+
+def with_slender_bars(design: Design) -> Design:
+    """The same robot with bars that are lines of mass."""
+    g = design.geometry
+    lengths = {
+        "b3": g.crank_length, "b4": g.coupler_length, "b7": g.short_coupler_length,
+        "b8": g.crank_length,
+    }  # fmt: skip
+    changes = {f"inertias.{bar}_axial": 0.0 for bar in lengths} | {"inertias.b2_vertical": 0.0}
+    for bar, length in lengths.items():
+        changes[f"inertias.{bar}_transverse"] = getattr(design.links, bar) * length**2 / 12
+    changes["inertias.b10_vertical"] = design.links.b10 * g.guide_link_length**2 / 12
+    return design.vary(changes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_natural_frequencies_of_the_whole_robot(seed: int, knee: KneeBranch) -> None:
+    """All six in which the platform moves, and payload and pins besides."""
+    design = with_slender_bars(elastic_design(seed, soft_joints=False).with_knee(knee))
+    pose = poses_of(design, 1, seed)[0]
+    stiffness, mass = whole_matrices(leg_matrices(design, 2), pose, loaded=False)
+    ours = natural_modes(stiffness, mass, 6).frequencies
+    assert frequencies(design, pose) == pytest.approx(ours, rel=1e-4)
