@@ -25,7 +25,7 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli import flags, motion_flags
-from paminsa_viz.cli.help import flag_texts
+from paminsa_viz.cli.help import KINDS, flag_texts
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
     CHOICES,
@@ -283,7 +283,7 @@ def _values(hint: Any) -> str:
         return "|".join(map(str, options))
     if options:
         return _values(options[0])
-    return {"int": "N", "float": "X", "str": "NAME"}[hint.__name__]
+    return KINDS[hint]
 
 
 def _default(value: Any) -> str:

@@ -78,7 +78,8 @@ class AppOptions:
     design: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML) to start with, instead of the paper's Appendix 4."""
     allow_host: Annotated[Words, tyro.conf.arg(metavar="NAME")] = ()
-    """Another name under which a browser may open the page, such as robot.local."""
+    """Another name under which a browser may open the page, such as robot.local; can be
+    repeated."""
     token: Literal["auto", "on", "off"] = "auto"
     """Whether a browser has to show the access token that is part of the printed address; auto asks
     for it unless only this machine can reach the page."""

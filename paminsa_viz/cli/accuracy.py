@@ -58,9 +58,11 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
     """One count of the encoders at the actuators: M1 to M3 [°], M4 [µm]; by default the design's
     own."""
     backlash: Pair = None
-    """Backlash at the actuators, full width: M1 to M3 [°], M4 [µm]."""
+    """Backlash at the actuators, full width: M1 to M3 [°], M4 [µm]; by default the
+    design's own."""
     control: Pair = None
-    """Error of the controllers to either side: M1 to M3 [°], M4 [µm]."""
+    """Error of the controllers to either side: M1 to M3 [°], M4 [µm]; by default the
+    design's own."""
     encoders: bool = False
     """Take the resolution from the encoders of the design's drives."""
 

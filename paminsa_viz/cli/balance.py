@@ -86,7 +86,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
     max_added: Annotated[OrNone[float], tyro.conf.arg(metavar="KG")] = None
     """Largest added mass of the whole robot, for goals on a motion [kg]."""
     out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
-    """Write the design here."""
+    """Design file to write; one that exists is replaced."""
 
     def check(self) -> None:
         """Refuse contradictions, and numbers that no machine has and the arithmetic cannot take.

@@ -52,8 +52,9 @@ class Calibrate(JsonFlags, DesignFlags):
 
     log: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="LOG")] = None
     """Table of measured poses and readings, .csv."""
-    propose: Annotated[OrNone[int], tyro.conf.arg(metavar="POSES")] = None
-    """Instead of calibrating, choose poses to measure, and write them with --out, .csv or .npz."""
+    propose: Annotated[OrNone[int], tyro.conf.arg(metavar="N")] = None
+    """Instead of calibrating, choose so many poses to measure, and write them with --out, .csv or
+    .npz."""
     validate: Annotated[float, tyro.conf.arg(metavar="SHARE")] = 0.0
     """Share of the poses that are held back, drawn at random, to check the result with; 0 to
     0.9."""

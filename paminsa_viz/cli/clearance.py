@@ -57,7 +57,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
     radius: Annotated[OrNone[float], tyro.conf.arg(metavar="MM")] = None
     """Radius of the disc that their positions are in [mm]; half of R_b if left out."""
     theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 30.0
-    """Largest angle of theirs, to either side [deg]."""
+    """Largest angle of theirs, to either side [°]."""
     z: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="LOW HIGH")] = None
     """Range of their heights [mm]; what the frame is drawn for if left out."""
     seed: int = 0

@@ -38,7 +38,7 @@ class Code(DesignFlags):
 
     fmu: tuple[Literal["plant", "inverse"], ...] = ()
     """Add FMI 2.0 units for co-simulation: the robot moved by its actuators, and the torques of a
-    motion. It needs a C compiler."""
+    motion; can be repeated. It needs a C compiler."""
 
     def run(self) -> int:
         """Write the folder."""

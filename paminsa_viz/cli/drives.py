@@ -58,7 +58,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         tuple[tuple[str, float, float], ...], tyro.conf.arg(metavar="MOTION COUNT DWELL")
     ] = ()
     """A motion of the duty cycle, a preset or a table, how often it is made, and how long the robot
-    waits after each [s]; may be given several times."""
+    waits after each [s]; can be repeated."""
     dwell: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
     """How long the robot waits after the one motion of --preset or --file [s]."""
     catalog: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.csv")] = None
@@ -76,7 +76,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
     """List the feasible gear ratios of every motor instead, for a gear without inertia and losses;
     for M4 with each screw and belt, whose inertia is left out too."""
     save: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
-    """Write the design with the first drive of each list."""
+    """Design file to write, with the first drive of each list; one that exists is replaced."""
 
     def run(self) -> int:
         """Find the drives and report."""

@@ -60,20 +60,20 @@ class Excite(JsonFlags, DesignFlags):
     harmonics: int = DEFAULTS.harmonics
     """Number of harmonics of each coordinate, 3 to 20."""
     max_torque: Annotated[OrNone[float], tyro.conf.arg(metavar="NM")] = None
-    """Limit of the torque of M1, M2 and M3 [N·m]; those of the design's drives by default, and 20
-    without drives."""
+    """Limit of the torque of M1, M2 and M3 [N·m]; by default those of their drives, and 20 without
+    drives."""
     max_force: Annotated[OrNone[float], tyro.conf.arg(metavar="N")] = None
     """Limit of the force of M4 [N]; by default that of its drive, and 1000 without one."""
     max_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="RAD/S")] = None
-    """Limit of the speed of M1, M2 and M3 [rad/s]; by default those of their drives, and 3 without
-    drives."""
+    """Limit of the speed of M1, M2 and M3 [rad/s], not of the platform's as in paminsa-viz
+    trajectory; by default those of their drives, and 3 without drives."""
     max_lift_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S")] = None
     """Limit of the speed of M4 [m/s]; by default that of its drive, and 0.25 without one."""
     max_condition: float = 5.0
     """Largest condition number on the way."""
     clearance: Annotated[float, tyro.conf.arg(metavar="MM")] = 10.0
     """Least distance to the limits of reach [mm]."""
-    seconds: float = DEFAULTS.seconds
+    seconds: Annotated[float, tyro.conf.arg(metavar="S")] = DEFAULTS.seconds
     """Time for the search [s]; at most a quarter of it goes to the random motions that it starts
     with."""
     evaluations: int = DEFAULTS.evaluations

@@ -83,9 +83,10 @@ class DesignFlags:
     """External force [N] and moment [N·m] on the platform, instead of the design's own. The
     actuators do not see MX and MY: the bearings carry them."""
     load_point: Annotated[OrNone[Point], tyro.conf.arg(metavar="X Y Z")] = None
-    """Point of the force, in mm from the platform's center, in the platform's frame."""
+    """Point of the force, from the platform's center and in the platform's frame [mm]; by default
+    the design's own."""
     load_frame: OrNone[Literal["world", "platform"]] = None
-    """What the directions of force and moment are fixed in."""
+    """What the directions of force and moment are fixed in; by default the design's own."""
 
     def given_design(self) -> Design:
         """Return the design.
@@ -133,7 +134,7 @@ class PoseFlags:
     """A pose of the platform."""
 
     pose: Annotated[OrNone[Pose], tyro.conf.arg(metavar="X Y THETA Z")] = None
-    """Pose in mm, mm, degrees, mm; in the middle of the workspace if left out."""
+    """Pose [mm, mm, °, mm]; in the middle of the workspace if left out."""
 
     @property
     def given_pose(self) -> Pose | None:
@@ -186,7 +187,7 @@ class FilesFlags(JsonFlags):
     """Figures and tables."""
 
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
-    """File to write; may be given several times."""
+    """File to write; its ending says what. Can be repeated; one that exists is replaced."""
     width: Annotated[float, tyro.conf.arg(metavar="MM")] = 170.0
     """Width of figures [mm]; 85 is a column, 170 a page."""
     dpi: float = 300.0

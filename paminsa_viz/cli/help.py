@@ -16,8 +16,8 @@ import tyro
 def described(kind: Any) -> Any:
     """Return flags whose help reads well in place of those that are used.
 
-    By itself tyro keeps the line breaks of docstrings, and lists None among the choices and as the
-    default of a flag that may be left out.
+    By itself tyro keeps the line breaks of docstrings, lists None among the choices and as the
+    default of a flag that may be left out, and says again what can be repeated.
 
     Args:
         kind: A dataclass, or a union of subcommands.
@@ -29,8 +29,8 @@ def described(kind: Any) -> Any:
     flags = []
     for item in fields(cast(Any, kind)):
         marks = tyro.conf.arg(
-            help=texts[item.name], metavar=_choices(hints[item.name]),
-            help_behavior_hint="" if item.default is None else None,
+            help=texts[item.name], metavar=_taken(hints[item.name]),
+            help_behavior_hint="" if item.default in (None, ()) else None,
         )  # fmt: skip
         same = field(default=item.default, default_factory=item.default_factory)  # pyright: ignore
         flags.append((item.name, Annotated[hints[item.name], marks], same))
@@ -53,14 +53,20 @@ def flag_texts(kind: type) -> dict[str, str]:
     return found
 
 
-def _choices(hint: Any) -> str | None:
-    """Return how the words are written that a flag takes which may be left out, or None."""
+KINDS = {int: "N", float: "X", str: "NAME"}
+"""What a flag takes, where nothing says more."""
+
+
+def _taken(hint: Any) -> str | None:
+    """Return how a number or the words are written that a flag takes, or None if tyro knows."""
     kind, *marks = typing.get_args(hint) if hasattr(hint, "__metadata__") else (hint,)
+    if any(getattr(mark, "metavar", None) for mark in marks):
+        return None
+    numbers = [KINDS[one] for one in (kind, *typing.get_args(kind)) if one in KINDS]
     words = [
         word
         for one in typing.get_args(kind)
         if typing.get_origin(one) is typing.Literal
         for word in typing.get_args(one)
     ]
-    named = any(getattr(mark, "metavar", None) for mark in marks)
-    return f"{{{','.join(map(str, words))}}}" if words and not named else None
+    return f"{{{','.join(map(str, words))}}}" if words else next(iter(numbers), None)

@@ -62,12 +62,14 @@ class Identify(JsonFlags, DesignFlags):
     """Second log, on another motion, that the numbers of the first have to predict."""
     payload: Annotated[OrNone[tuple[str, float]], tyro.conf.arg(metavar="LOG KG")] = None
     """Third log, with a payload on the platform, and its mass [kg]; 0 if it was not weighed."""
-    gains: Annotated[OrNone[tuple[float, float, float, float]], tyro.conf.arg(metavar="K")] = None
+    gains: Annotated[
+        OrNone[tuple[float, float, float, float]], tyro.conf.arg(metavar="K1 K2 K3 K4")
+    ] = None
     """Torque of M1 to M3 [N·m/A] and force of M4 [N/A] for each ampere, for logs of currents."""
     split: bool = False
     """Split logs at gaps, rows out of reach and singular ones, instead of refusing them."""
     start: Annotated[OrNone[Pose], tyro.conf.arg(metavar="X Y THETA Z")] = None
-    """Pose near the start of the logs, in mm, mm, degrees, mm; it chooses the assembly mode. The
+    """Pose near the start of the logs [mm, mm, °, mm]; it chooses the assembly mode. The
     home pose by default."""
     cut_off: Annotated[float, tyro.conf.arg(metavar="HZ")] = DEFAULTS.cut_off
     """Where the filter halves [Hz]."""
@@ -79,7 +81,7 @@ class Identify(JsonFlags, DesignFlags):
     """Fit how the legs' own masses differ."""
     constrain: bool = False
     """Hold the identity of the masses, which only springs break."""
-    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FOLDER")] = None
     """Folder to write into: parameters.csv, residuals.csv, identified.toml, torques.svg."""
 
     def run(self) -> int:

@@ -12,7 +12,7 @@ import tyro
 from paminsa_viz.blocks.loads import motion_blocks, motion_data, pose_blocks, pose_data
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_output
-from paminsa_viz.cli.motion_flags import MotionFlags
+from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
 from paminsa_viz.cli.output import (
     print_blocks,
     print_error,
@@ -56,12 +56,15 @@ argument or file, or a pose out of reach."""
 class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
 
+    preset: OrNone[PresetName] = None
+    """A ready-made motion, sized for the robot, that the loads are along; at rest without one and
+    without --file."""
     bar: OrNone[Literal["b1", "b2", "b3", "b4", "b7", "b8", "b10"]] = None
     """Write N, V and M along this bar, at rest."""
     bearings: bool = False
     """Write peak, RMS and equivalent load of every joint instead of the motion's samples."""
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
-    """Table to write (.csv, .npz); may be given several times."""
+    """Table to write (.csv, .npz); can be repeated. One that exists is replaced."""
 
     def run(self) -> int:
         """Compute the loads and report."""

@@ -65,9 +65,9 @@ class RequirementFlags(DesignFlags):
     file: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file with its requirements; Appendix 4 if left out."""
     require: Annotated[Words, tyro.conf.arg(metavar="TEXT")] = ()
-    """A requirement on top of the file's; may be given several times."""
-    theta: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="FROM TO")] = None
-    """Headings that count [degrees], instead of the file's."""
+    """A requirement on top of the file's; can be repeated."""
+    theta: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Headings that count [°], instead of the file's."""
     cylinder: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="DIAMETER HEIGHT")] = (
         None
     )
@@ -145,7 +145,7 @@ class Prove(JsonFlags, RequirementFlags):
     sampled, see docs/largest-workspace.md, is named and does not change it."""
 
     time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
-    """Time after which to answer that it is undecided."""
+    """Time after which to answer that it is undecided [s]."""
 
     def run(self) -> int:
         """Prove and print."""
@@ -175,9 +175,9 @@ class Largest(JsonFlags, RequirementFlags):
     """Which extents grow; the others are kept."""
     tolerance: Annotated[float, tyro.conf.arg(metavar="MM")] = 1.0
     """Gap between what is proven, or holds at samples, and a pose that breaks a requirement, at
-    which to stop."""
+    which to stop [mm]."""
     time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
-    """Time after which to stop; the gap is then what it is."""
+    """Time after which to stop [s]; the gap is then what it is."""
     both_sides: bool = False
     """A free height may be on the other side of the guides than home."""
 
@@ -219,14 +219,14 @@ class CheckRequirements(JsonFlags, RequirementFlags):
     Over the required workspace; without one, over the volume where all hold."""
 
     volume: bool = False
-    """Solve the volume where all requirements hold: dm^3, utilization, and what cuts it."""
+    """Solve the volume where all requirements hold: dm³, utilization, and what cuts it."""
     both_sides: bool = False
     """Heights on the other side of the guides count as well."""
     coarse: bool = False
     """Sample coarsely: some ten milliseconds instead of a second."""
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
-    """File for the volume: its surface as .stl [mm] or .glb, its nodes as .csv or .npz; may be
-    given several times."""
+    """File for the volume: its surface as .stl [mm] or .glb, its nodes as .csv or .npz; can be
+    repeated. One that exists is replaced."""
 
     def run(self) -> int:
         """Check, print, write."""

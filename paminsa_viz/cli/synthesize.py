@@ -95,7 +95,7 @@ class AnswerFlags:
     """Where no robot meets the requirements, look for the fewest that contradict."""
     front: Annotated[Words, tyro.conf.arg(metavar="OBJECTIVE")] = ()
     """An objective of a front: robots of which none is better than another in all of them, instead
-    of one; at least twice. --out FILE.toml writes them to FILE-1.toml, FILE-2.toml ..."""
+    of one; repeated at least once. --out FILE.toml writes them to FILE-1.toml, FILE-2.toml ..."""
     points: int = 8
     """Points of the front."""
 
@@ -160,7 +160,7 @@ class Synthesize(AnswerFlags, JsonFlags):
     seed: OrNone[int] = None
     """Seed of the search, instead of the file's."""
     allow_overlap: bool = False
-    """Whether bodies of the robot may overlap as they are drawn; the answer is marked with it."""
+    """Let bodies of the robot overlap as they are drawn; the answer is marked with it."""
     generations: OrNone[int] = None
     """Most generations for each of R_pl < R_b and R_pl > R_b, instead of the file's."""
     workers: int = 1
@@ -168,7 +168,7 @@ class Synthesize(AnswerFlags, JsonFlags):
     dask: Annotated[OrNone[str], tyro.conf.arg(metavar="ADDRESS")] = None
     """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
     out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
-    """Design file to write the robot to, with its requirements."""
+    """Design file to write, of the robot with its requirements; one that exists is replaced."""
     report: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.html")] = None
     """Design report to write on the robot, with the search; see paminsa-viz report."""
     checkpoint: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.json")] = None

@@ -84,7 +84,8 @@ class LimitFlags:
     """Limits of the shortest motion."""
 
     max_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S")] = None
-    """Limit of the platform's speed [m/s]."""
+    """Limit of the platform's speed [m/s]. Limits are for --shortest, --stretch and --cross; one
+    that is left out is none."""
     max_turn_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="DEG/S")] = None
     """Limit of its turning speed [°/s]."""
     max_acceleration: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S2")] = None

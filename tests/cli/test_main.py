@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 import subprocess
 import sys
+import typing
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -11,8 +15,9 @@ import pytest
 import paminsa_viz
 from paminsa_viz import app
 from paminsa_viz.app import AppOptions
-from paminsa_viz.cli import COMMANDS, main
+from paminsa_viz.cli import COMMANDS, command_module, main
 from paminsa_viz.cli.arguments import one_line
+from paminsa_viz.cli.help import flag_texts
 from paminsa_viz.errors import InvalidInput
 
 FLAGS = "--host 0.0.0.0 --port 0 --no-browser --design d.toml --allow-host a --allow-host b"
@@ -57,14 +62,30 @@ def test_help_goes_to_the_screen_and_starts_nothing(started, capsys, words) -> N
 @pytest.mark.slow
 def test_help_runs_a_text_on_and_lists_only_what_can_be_chosen(capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "400")
-    for words in (["map"], ["requirements", "prove"], ["design", "diff"], ["evaluate"]):
+    parts = (["requirements", "check"], ["requirements", "largest"], ["requirements", "prove"])
+    for words in (*([name] for name in COMMANDS), *parts, ["design", "diff"]):
         with pytest.raises(SystemExit):
             main([*words, "--help"])
         printed = capsys.readouterr().out
-        assert "None" not in printed, words
-        if words != ["design", "diff"]:
+        assert not re.search(r"\{None\}|\(default: None\)|\b(INT|FLOAT|STR)\b", printed), words
+        assert "(repeatable)" not in printed, words  # its own text says so
+        assert not re.search(r"\[deg|degrees\]|given several times", printed), words  # [°]
+        if "--knee" in printed:
             assert "{lower,upper}" in printed, words
             assert "its mirror image; by default the design's own." in printed, words
+
+
+def test_flags_that_can_be_repeated_say_so() -> None:
+    for name in COMMANDS:
+        kind = command_module(name).FLAGS
+        kinds = [kind]
+        if not inspect.isclass(kind):
+            kinds = [typing.get_args(each)[0] for each in typing.get_args(kind)]
+        for one in kinds:
+            said = flag_texts(one)
+            for item in fields(one):
+                told = re.search("[Cc]an be repeated|repeated at least once", said[item.name])
+                assert bool(told) == (item.default == ()), (name, item.name)
 
 
 @pytest.mark.parametrize(
