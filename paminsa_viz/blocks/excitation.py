@@ -31,7 +31,7 @@ def information_text(found: Excitation) -> str:
     return (
         f"log det of the information of {found.parameters} parameters {fixed(found.log_det, 1)}, "
         f"of the best of {found.random} random motions {fixed(found.random_log_det, 1)}: intervals "
-        f"narrower by {number(found.narrowing, 3)} on average."
+        f"narrower by a factor of {number(found.narrowing, 3)} on average."
     )
 
 

@@ -30,13 +30,14 @@ from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
     print_blocks,
     print_failure,
+    print_heading,
     print_json,
     print_written,
     save_changed,
 )
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.parameters import LARGEST
-from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
+from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, solve_trajectory
 from paminsa_viz.units import MM
 from paminsa_viz.version import MADE_BY
 
@@ -122,12 +123,13 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
         self.check()
         design = self.given_design()
         changes = _changes(self, design)
+        motion = None if self.goal == "static" else self.given_motion(design.geometry)
         try:
-            if self.goal == "static":
+            if motion is None:
                 criterion = AddedMass() if self.criterion == "added" else MassChange()
                 found = balance(design, changes, criterion, exact=self.exact)
             else:
-                found = _on_motion(self, design, changes)
+                found = _on_motion(self, design, changes, motion)
         except (InfeasibleBounds, ImpossibleTrajectory) as error:
             return print_failure(error, as_json=self.json)
         written = []
@@ -137,6 +139,7 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
         if self.json:
             print_json(optimum_data(found) | {"files": written})
         else:
+            print_heading(design, *([] if motion is None else [f'motion "{motion.name}"']))
             print_blocks(optimum_blocks(found))
             print_written(written)
         return 0
@@ -160,14 +163,15 @@ def _changes(flags: BalanceFlags, design: Design) -> Changes:
     return Changes(tuple(MassRange(*item) for item in flags.change), tuple(rails))
 
 
-def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum:
+def _on_motion(
+    flags: BalanceFlags, design: Design, changes: Changes, motion: Trajectory
+) -> Optimum:
     """Return the optimum for a goal on a motion.
 
     Raises:
         ImpossibleTrajectory: If the robot cannot run it.
         InfeasibleBounds: If the bounds do not allow the limits.
     """
-    motion = flags.given_motion(design.geometry)
     solved = solve_trajectory(design.geometry, motion, gravity=design.gravity)
     solved.check.require()
     limits: list[tuple[Term, float]] = []

@@ -17,11 +17,11 @@ from paminsa_viz.blocks.clearance import (
 from paminsa_viz.clearance import clearance
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_range
-from paminsa_viz.cli.output import print_blocks, print_json, print_left_out
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_left_out
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose, require_reachable
-from paminsa_viz.units import MM
+from paminsa_viz.units import MM, format_pose
 
 DESCRIPTION = """\
 Least distance of the robot's bodies as they are drawn, and which two are nearest: at a pose, and
@@ -76,6 +76,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
         if self.json:
             print_json(clearance_data(design, pose, groups, here, over, required))
         else:
+            print_heading(design, format_pose(pose))
             print_blocks(pose_blocks(groups, here, required))
             if over is not None:
                 print()

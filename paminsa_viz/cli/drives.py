@@ -102,7 +102,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             data = selection_data(design, catalog, found, self.rows, advice)
             print_json(data | {"order": self.order, "files": written})
         else:
-            print_heading(design, f"catalog {catalog.name}: {cycle_text(cycle)}\n")
+            _print_heading(design, cycle, catalog)
             print_blocks(selection_blocks(design, found, self.rows, advice))
             print_left_out(design)
             print_written(written)
@@ -129,6 +129,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         if self.json:
             print_json({**robot(design), "catalog": catalog.name, "ratios": found})
         else:
+            _print_heading(design, cycle, catalog)
             print_blocks([ratio_table(found)])
             print_left_out(design)
         fits = {one.actuator for one in found if one.low is not None}
@@ -140,6 +141,10 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
 
 
 FLAGS = Drives
+
+
+def _print_heading(design: Design, cycle: DutyCycle, catalog: Catalog) -> None:
+    print_heading(design, f"catalog {catalog.name}: {cycle_text(cycle)}\n")
 
 
 def _motion(name: str, geometry: Geometry) -> Trajectory:

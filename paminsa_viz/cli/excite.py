@@ -17,6 +17,7 @@ from paminsa_viz.cli.output import (
     print_began,
     print_blocks,
     print_failure,
+    print_heading,
     print_json,
     print_written,
 )
@@ -105,6 +106,7 @@ class Excite(JsonFlags, DesignFlags):
         if self.json:
             print_json(excitation_data(design, found) | {"files": written})
         else:
+            print_heading(design)
             print_blocks(excitation_blocks(found))
             print_written(written)
         return 0

@@ -119,7 +119,7 @@ def print_blocks(blocks: Iterable[Block]) -> None:
 def _print_report_table(table: Table) -> None:
     if table.caption:
         print(ascii_numbers(table.caption))
-    lines = [("", *table.head)] if any(table.head) else []
+    lines = [("", *map(ascii_numbers, table.head))] if any(table.head) else []
     for row in table.rows:
         mark = "*" if row.kind == "marked" else ""
         missing = len(table.head) - len(row.cells)
@@ -130,6 +130,7 @@ def _print_report_table(table: Table) -> None:
 
 PRINTED = {
     "−": "-", "±": "+-", "≤": "<=", "≥": ">=", "⌀": "d", "″": '"', NONE: "-",
+    "“": '"', "”": '"', "’": "'",
 }  # fmt: skip
 """Signs that a terminal may lack, and what is printed instead."""
 

@@ -367,7 +367,7 @@ def test_how_an_exciting_motion_was_found() -> None:
     assert said([first, second]) == [
         ("3 periods of 12.5 s, 5 harmonics; 200 evaluations in 4.57 s.", "plain"),
         ("log det of the information of 13 parameters −1.2, of the best of 30 random motions "
-         "−9.8: intervals narrower by 1.39 on average.", "plain"),
+         "−9.8: intervals narrower by a factor of 1.39 on average.", "plain"),
     ]  # fmt: skip
     assert cells(table) == [("force", "2.35 N", "≤ 4.57 N", "0.123 s", "51 %")]
     found.settings.periods = found.evaluations = 1

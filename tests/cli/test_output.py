@@ -122,13 +122,25 @@ def test_json_has_lists_texts_and_null_for_what_results_hold(capsys: Any) -> Non
 
 def test_blocks_are_lines_with_columns_and_marks(capsys: Any) -> None:
     rows = (Row(("one", "−1.5·10⁻⁷"), "marked"), Row(("another", "2")))
-    print_blocks([Note("first"), Note("second"), Table(("", "Value"), rows, "Values ≤ 3.")])
+    print_blocks([Note("“first”"), Note("one’s"), Table(("", "θ [″]"), rows, "Values ≤ 3.")])
     assert capsys.readouterr().out.splitlines() == [
-        "first", "second", "", "Values <= 3.",
-        "              Value",
-        "*  one      -1.5e-7",
-        "   another        2",
+        '"first"', "one's", "", "Values <= 3.",
+        '            theta ["]',
+        "*  one        -1.5e-7",
+        "   another          2",
     ]  # fmt: skip
+
+
+HEADED = "balance|balance --goal peak|clearance|drives|drives --ratios|excite --evaluations 1"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", HEADED.split("|"))
+def test_numbers_are_below_the_name_of_their_design(words: str, capsys: Any) -> None:
+    assert main(words.split()) == 0
+    first = capsys.readouterr().out.splitlines()[0]
+    assert first.startswith('design "Appendix 4"')
+    assert ("four coordinates" in first) == (words.startswith("drives") or "peak" in words)
 
 
 @pytest.mark.parametrize(("text", "printed"), [("θ = 3°", "theta = 3°"), ("θ̇² ≥ θ̇ₖ²", "θ̇² >= θ̇ₖ²")])
