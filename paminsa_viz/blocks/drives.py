@@ -202,7 +202,7 @@ def _load(load: ActuatorLoad) -> tuple[str, ...]:
     force, speed, inertia = _units(load)
     return (
         load.name, format_value(load.peak, force, 3), format_value(load.rms, force, 3),
-        f"{number(load.top_speed, 3)} {speed}", format_value(load.top_power, "W", 3),
+        format_value(load.top_speed, speed, 3), format_value(load.top_power, "W", 3),
         format_value(load.inertia, inertia, 3),
     )  # fmt: skip
 

@@ -200,7 +200,7 @@ def test_loads_and_lists_of_drives_by_actuator(monkeypatch: pytest.MonkeyPatch) 
 
     table, *lists = blocks(False)
     assert cells(table)[0] == (
-        "M1", "1.5 N·m", "0.75 N·m", "2.25 rad/s", "3.5 W", "0.125 kg·m²",
+        "M1", "1.5 N·m", "0.75 N·m", "129°/s", "3.5 W", "0.125 kg·m²",
     )  # fmt: skip
     assert cells(table)[3] == ("M4", "1.5 N", "0.75 N", "2.25 m/s", "3.5 W", "0.125 kg")
     assert [one.caption for one in lists] == [
