@@ -303,11 +303,14 @@ def interval_text(value: float, half_width: float, *, ascii_only: bool = False) 
         return "-" if ascii_only else NONE
     if half_width <= 0.0:
         return number(value) if not ascii_only else f"{value:.4g}"
-    decimals = max(0, 1 - math.floor(math.log10(half_width)))
+    place = 1 - math.floor(math.log10(half_width))
+    decimals = max(0, place)
     if decimals > 9 or max(abs(value), half_width) >= 1e9:
+        first = math.floor(math.log10(abs(value) or half_width))
+        digits = min(max(1, first + place + 1), 4)  # none beyond those of the interval
         if ascii_only:
-            return f"{value:.4g} +- {half_width:.2g}"
-        return f"{number(value)} ± {number(half_width, 2)}"
+            return f"{value:.{digits}g} +- {half_width:.2g}"
+        return f"{number(value, digits)} ± {number(half_width, 2)}"
     if ascii_only:
         return f"{value:.{decimals}f} +- {half_width:.{decimals}f}"
     return f"{fixed(value, decimals)} ± {fixed(half_width, decimals)}"

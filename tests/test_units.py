@@ -190,6 +190,9 @@ def test_fixed_decimals_have_no_negative_zero() -> None:
         (float("nan"), 0.1, NONE),
         (2.0, 0.0, "2"),
         (3e12, 1.0, "3·10¹² ± 1"),
+        (-1.5321e-13, 4.9e-14, "−1.53·10⁻¹³ ± 4.9·10⁻¹⁴"),
+        (8.2e-15, 5.2e-14, "8·10⁻¹⁵ ± 5.2·10⁻¹⁴"),
+        (0.0, 5.2e-14, "0 ± 5.2·10⁻¹⁴"),
     ],
 )
 def test_intervals_have_two_digits_and_the_value_as_many_decimals(value, half_width, text) -> None:
