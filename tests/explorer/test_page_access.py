@@ -271,6 +271,8 @@ def test_tooltips_open_in_the_view_and_not_over_the_panel(tab: Tab) -> None:
         assert box["x"] + box["width"] <= right
         assert box["y"] - 1 <= at["y"] + at["height"] / 2 <= box["y"] + box["height"] + 1
     assert tooltip(tab, tab.element("shared"))["x"] >= left
+    home = tab.page.get_by_role("button", name="Home", exact=True)
+    assert "(key: H)" in str(home.get_attribute("title"))  # viser shows none
 
 
 def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:

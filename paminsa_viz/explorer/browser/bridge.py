@@ -86,7 +86,8 @@ class Bridge:
         self._inbox.on_update(self._receive)
         self._run = _script_channel(client)
         if self._run is not None:
-            for name in ("marks.js", "units.js"):  # before there is anything that is marked
+            # before there is anything that is marked, or a button
+            for name in ("marks.js", "units.js", "hints.js"):
                 self._run(asset(name))
         self.on("missing", _report_missing)
 
@@ -136,6 +137,22 @@ class Bridge:
         if self._run is not None:
             values = ", ".join(map(json.dumps, arguments))
             self._run(f"window.paminsa?.{function}({values})")
+
+    def hint(self, button: Any, text: str) -> None:
+        """Show a tooltip at a button, of which viser shows none.
+
+        Args:
+            button: viser's handle of it.
+            text: The tooltip.
+        """
+        if self._run is None:
+            return
+        try:
+            place = button._impl.uuid
+        except AttributeError as error:
+            _report_missing([f"tooltips of buttons ({error})"])
+            return
+        self._run(f"window.paminsaHints?.set({json.dumps(place)}, {json.dumps(text)})")
 
     def save(self, text: str) -> None:
         """Keep a text in the tab's own store, where a reload finds it."""

@@ -25,6 +25,7 @@ from paminsa_viz.explorer.kit.entries import (
     Effect,
     Entry,
     Folder,
+    Given,
     Html,
     Message,
     ProgressBar,
@@ -118,7 +119,10 @@ class Panel:
         handle = self.handles[entry.key] = self._add(entry)
         for name in ("label", "visible", "disabled"):
             self._follow(handle, name, getattr(entry, name))
-        self._follow(handle, "hint", entry.hint, idle=True)
+        if isinstance(entry, (Button, Upload)):
+            self._hint_button(handle, entry.hint)
+        else:
+            self._follow(handle, "hint", entry.hint, idle=True)
         if isinstance(entry, Folder):
             with handle:
                 self._build_all(entry.entries)
@@ -209,6 +213,19 @@ class Panel:
         if callable(choices := entry.choices):
             self._follow(handle, "options", lambda state: tuple(choices(state)) or handle.options)
         return handle
+
+    def _hint_button(self, handle: Any, hint: Given[str]) -> None:
+        said = ""
+
+        def draw(state: State) -> None:
+            nonlocal said
+            if (now := given(hint, state)) != said:
+                said = now
+                self._session.bridge.hint(handle, now)
+
+        draw(self._session.state)
+        if callable(hint):
+            self._draws.append(lambda frame, _: draw(frame.state))
 
     def _follow(self, handle: Any, name: str, value: Any, *, idle: bool = False) -> None:
         """Let a property of a handle follow the state, if ``value`` does."""

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 import viser
 
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.maps import MapStore
@@ -26,7 +27,7 @@ from paminsa_viz.explorer.features.motion.plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.features.view.tab import view_entries
 from paminsa_viz.explorer.kit import bindings
 from paminsa_viz.explorer.kit.bindings import Binding, same
-from paminsa_viz.explorer.kit.entries import Entry, Worker, given
+from paminsa_viz.explorer.kit.entries import Button, Entry, Upload, Worker, given
 from paminsa_viz.explorer.kit.inputs import (
     Checkbox,
     Dropdown,
@@ -322,3 +323,25 @@ def test_a_number_typed_again_as_it_is_shown_changes_nothing(server: viser.Viser
             assert desk.state.document.design == before
             desk.set(entry.key, 300.25)
             desk.until(lambda b=before: desk.state.document.design != b)
+
+
+def test_the_page_is_told_tooltips_of_buttons_and_their_changes(
+    server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stay(state: State) -> State:
+        return state
+
+    told: list[tuple[str, str]] = []
+    monkeypatch.setattr(Bridge, "hint", lambda _, button, text: told.append((button.label, text)))
+    entries = (
+        Button("go", "Go", hint="Goes", effect=stay),
+        Button("at", "At", hint=lambda s: f"x = {s.document.pose[0]:.3g}", effect=stay),
+        Upload("open", "Open", mime_type="", hint="Opens", receive=lambda *_: None),
+        Button("plain", "Plain", effect=stay),
+    )
+    with desk_with(server, entries) as desk:
+        first = f"x = {desk.state.document.pose[0]:.3g}"
+        assert told == [("Go", "Goes"), ("At", first), ("Open", "Opens")]
+        for _ in range(2):
+            desk.dispatch(lambda s: actions.move(s, x=0.1))
+        desk.until(lambda: told[3:] == [("At", "x = 0.1")])
