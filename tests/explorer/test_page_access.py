@@ -37,7 +37,7 @@ CANVAS = """() => {
 CONTROLS = """() => {
   // What can be used: the tab of a group that is not selected is reached by its own key.
   const wanted = 'button, input:not([type=hidden]):not([type=file]), textarea, a[href], '
-    + '[role=slider], [role=tab]';
+    + '[role=slider], [role=tab], [aria-expanded]';
   window.__controls = [...document.querySelectorAll(wanted)].filter(e =>
     e.getClientRects().length && !e.disabled && e.getAttribute('aria-hidden') !== 'true'
     && e.getAttribute('aria-disabled') !== 'true' && !e.closest('[data-disabled]')
@@ -181,6 +181,12 @@ def test_keys_open_a_tab_and_move_a_slider(tab: Tab) -> None:
     named.focus()
     tab.page.keyboard.press("ArrowRight")
     until(lambda: tab.state.document.pose[0] > 0, "the slider moves the robot")
+    tab.open_tab("Masses")
+    folder = tab.page.get_by_role("button", name="Gravity", exact=True)
+    folder.focus()
+    for key, opened in (("Enter", "true"), ("Space", "false")):  # viser leaves it to the mouse
+        tab.page.keyboard.press(key)
+        until(lambda o=opened: folder.get_attribute("aria-expanded") == o, f"{key} at a folder")
 
 
 SEEN = """element => {

@@ -36,6 +36,7 @@ PARTS = (
     "backdrop.js",
     "tooltips.js",
     "names.js",
+    "folders.js",
     "tour.js",
     "clipboard.js",
     "cursor.js",
