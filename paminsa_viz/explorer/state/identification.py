@@ -51,7 +51,7 @@ class IdentifySettings(Settings):
         "For logs of currents: N·m/A of M1 to M3 and N/A of M4; type them before the log is opened",
     )  # fmt: skip
     payload: float = setting(
-        0.0, "Payload [kg]", "Of the third log; 0: not weighed", range=(0.0, 1e3), step=0.1
+        0.0, "Payload [kg]", "Of the log with payload; 0: not weighed", range=(0.0, 1e3), step=0.1
     )
     period: float = setting(10.0, "Period [s]", range=(1.0, 100.0))
     harmonics: int = setting(5, "Harmonics", range=(3, 20))
