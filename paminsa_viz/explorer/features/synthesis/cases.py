@@ -70,8 +70,10 @@ def default_ranges(design: Design, requirements: Requirements) -> dict[str, Rang
 def ranges_of(
     settings: SynthesisSettings, design: Design, requirements: Requirements
 ) -> dict[str, Range]:
-    """Return the ranges of a search, by path [SI]."""
+    """Return the ranges of a search, by path [SI]; of sizes where a volume is sought."""
     found = default_ranges(design, requirements)
+    if "volume" not in (settings.objective, settings.against):
+        found = {path: ends for path, ends in found.items() if path not in DIMENSIONS}
     return found | {path: ends for path, ends in settings.ranges if path in found}
 
 
@@ -88,8 +90,6 @@ def case_of(
             "workspace", "a required workspace is needed; choose one in the section “Requirements”"
         )
     ranges = ranges_of(settings, design, requirements)
-    sizes = "volume" in (settings.objective, settings.against)
-    ranges = {path: ends for path, ends in ranges.items() if sizes or path not in DIMENSIONS}
     held = {
         path: low for path, (low, high) in ranges.items() if low == high and path not in DIMENSIONS
     }

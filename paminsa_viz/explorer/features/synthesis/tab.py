@@ -35,8 +35,9 @@ from paminsa_viz.synthesis.search.objectives import OBJECTIVES
 from paminsa_viz.units import symbol_text
 
 
-def _sizes(state: State) -> bool:
-    return state.synthesis.settings.objective == "volume"
+def _ranges(state: State) -> dict[str, Range]:
+    document = state.document
+    return ranges_of(state.synthesis.settings, document.design, document.requirements)
 
 
 def _points(state: State) -> tuple[float, float]:
@@ -50,14 +51,12 @@ def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
     unit = PLAIN if plain else MILLIMETERS
 
     def read(state: State) -> Range:
-        document = state.document
-        ranges = ranges_of(state.synthesis.settings, document.design, document.requirements)
-        return ranges.get(path, (0.1, 0.1))  # hidden without a workspace
+        return _ranges(state).get(path, (0.1, 0.1))  # hidden where it is not searched
 
     return Pair(
         f"synthesize.{path}", label if plain else f"{label} [mm]", units=(unit, unit),
         range=((LEAST, LARGEST), (LEAST, LARGEST)), step=0.1 if plain else 1.0, read=read,
-        visible=_sizes if size else None, ordered=True,
+        visible=(lambda state: path in _ranges(state)) if size else None, ordered=True,
         hint=f"{hint}: least and largest value; it is held where both are equal",
         apply=lambda state, ends: actions.set_range(state, path, ends),
     )  # fmt: skip

@@ -24,7 +24,7 @@ from paminsa_viz.explorer.features.synthesis import texts as text
 from paminsa_viz.explorer.features.synthesis.charts import clicked_point, front_figure, shown_front
 from paminsa_viz.explorer.features.synthesis.layers import best_robot
 from paminsa_viz.explorer.features.synthesis.solving import search
-from paminsa_viz.explorer.features.synthesis.tab import SYNTHESIZE
+from paminsa_viz.explorer.features.synthesis.tab import RANGES, SYNTHESIZE
 from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW, FollowerRunner
 from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.state.outcome import Outcome, solve
@@ -34,7 +34,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
-from paminsa_viz.synthesis.search.case import Effort, Regime
+from paminsa_viz.synthesis.search.case import DEFAULT_PATHS, Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from tests.support.desk import Desk
@@ -73,6 +73,22 @@ def test_ranges_are_about_the_design_and_equal_ends_hold_a_length(asked: State) 
     assert low < APPENDIX_4.geometry.base_radius < high
     with pytest.raises(InvalidInput):
         actions.set_range(asked, path, (0.3, 0.2))
+
+
+def test_ranges_are_shown_of_what_is_searched(asked: State) -> None:
+    """Sizes of the workspace are where its volume is one of the objectives, and there is one."""
+    sizes = {cases.WIDTH, cases.TALL}
+    for state, more in (
+        (asked, set[str]()),
+        (asked.updated("synthesis.settings", objective="volume"), sizes),
+        (asked.updated("synthesis.settings", against="volume"), sizes),
+        (initial_state().updated("synthesis.settings", objective="volume"), set[str]()),
+    ):
+        shown = {one.key for one in RANGES if one.visible is None or one.visible(state)}
+        paths = {path for path in {*DEFAULT_PATHS, *sizes} if f"synthesize.{path}" in shown}
+        assert paths == {*DEFAULT_PATHS, *more}
+        if state.document.requirements.workspace is not None:
+            assert paths >= set(actions.search_job(state).case.paths)
 
 
 def test_a_required_margin_of_reach_is_that_of_the_guides_too(asked: State) -> None:
