@@ -92,7 +92,7 @@ def test_everything_kept_comes_back() -> None:
         ("map_view", 7),
         ("plots", {"plot": "nothing"}),
         ("plots", {"plot": "torques", "color": 9}),
-        ("floor_opacity", 3.0),
+        ("floor_opacity", 1.01),
         ("floor_opacity", "much"),
         ("condition_limit", 0.5),
         ("layers", [1, 2]),

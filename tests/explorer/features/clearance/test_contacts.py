@@ -24,6 +24,10 @@ def test_balls_are_where_bars_would_touch(scene: Scene) -> None:
     texts = [pair_name(int(pair)) for pair in np.flatnonzero(found.gap[1] < 0)]
     assert scene.nodes["/contacts/2"].text == ", ".join(texts)
     assert pair_name(shaft_and_guide) == "B2–B10"
+    top = max((found.point[1, found.gap[1] < 0]), key=lambda point: point[2])
+    label = scene.nodes["/contacts/2"].position
+    np.testing.assert_allclose(label[:2], top[:2])
+    assert 0.0 < label[2] - top[2] < 0.05
 
 
 @pytest.mark.slow

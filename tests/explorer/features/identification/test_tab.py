@@ -117,6 +117,9 @@ def test_nearest_masses_become_the_design_and_can_be_saved(found: State) -> None
     used = actions.use_design(found)
     design = used.document.design
     assert design != found.document.design
+    outcome = actions.IDENTIFY.outcome(found)
+    assert outcome is not None
+    assert design.name == f"Identified from {outcome.job.log.name}"
     weight = found.identification.result.identification.estimate("M_p2")  # type: ignore[union-attr]
     assert abs(static_imbalance(design) - weight.value) < weight.half_width
     assert persistence.load(persistence.dump(used.document)).design == design

@@ -22,6 +22,7 @@ from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.arrays import Pose
+from paminsa_viz.palette import INK, REFERENCE, rgb
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage, eventually
 
@@ -177,6 +178,8 @@ def test_handle_in_the_scene_drags_the_marked_point(
     view.draw(compute(three), False)
     nodes = scene._handle_from_node_name
     assert [nodes[f"/points/{i}"].visible for i in range(3)] == [True] * 3
+    colors = [nodes[f"/points/{i}"].color for i in range(3)]
+    assert colors == [rgb(INK), rgb(INK), rgb(REFERENCE)]
     np.testing.assert_allclose(nodes["/point_handle"].position, (-0.05, -0.02, -0.6))
     pose: dict[str, Any] = {
         "wxyz": (math.cos(0.2), 0.0, 0.0, math.sin(0.2)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -101,6 +102,16 @@ def test_suggested_bounds_are_kept_over_the_workspace(quantity: str) -> None:
     margins = one.margin(values)
     known = margins[~(margins != margins)]
     assert (known >= 0).all()
+
+
+def test_a_cylinder_is_sampled_up_to_its_rim() -> None:
+    workspace = default_workspace(initial_state().document)
+    assert workspace.shape is WorkspaceShape.CYLINDER
+    heading = (0.0, 0.0)
+    found = suggestions.sampled(APPENDIX_4, heading, workspace, [QUANTITIES["condition"]])
+    shares = np.arange(-3, 4) ** 2
+    on_disc = (shares[:, None] + shares <= 9).sum()
+    assert np.isfinite(found["condition"]).sum() == on_disc * found["condition"].size // 49
 
 
 def test_the_suggested_set_has_headings_and_a_workspace_and_can_be_cleared() -> None:
