@@ -151,7 +151,11 @@ def test_a_motion_that_is_moved_has_its_crossings_moved() -> None:
     shift = np.array([0.0, 0.0, 0.0, 0.02])  # a singular rotation has no height
     moved = samples.moved(shift)
     np.testing.assert_array_equal(moved.pose, samples.pose + shift)
-    (passage,) = moved.passages
+    (passage,), (before,) = moved.passages, samples.passages
+    assert passage.states is not None
+    assert before.states is not None
+    np.testing.assert_array_equal(passage.states.pose, before.states.pose + shift)
+    np.testing.assert_array_equal(passage.states.acceleration, before.states.acceleration)
     again = replace(moved, passages=(Passage(passage.t, passage.locus),))  # from the samples
     (found,), (expected,) = (crossing_loads(APPENDIX_4, one) for one in (moved, again))
     assert found.residual == pytest.approx(expected.residual, rel=1e-4)
