@@ -126,6 +126,14 @@ def test_layer_shown_late_is_up_to_date(scene: Scene) -> None:
     assert points == pytest.approx(sticks(solved(pose)).reshape(-1, 2, 3), abs=1e-6)
 
 
+def test_the_handle_is_at_the_platform_and_turned_as_it_is(scene: Scene) -> None:
+    for theta in (0.3, -0.4):
+        scene.draw((0.02, 0.01, theta, -0.5), layers=["gizmo"])
+        handle = scene.nodes["/gizmo"]
+        assert tuple(handle.position) == pytest.approx((0.02, 0.01, -0.5))
+        assert handle.wxyz == pytest.approx((np.cos(theta / 2), 0.0, 0.0, np.sin(theta / 2)))
+
+
 def test_sticks_join_the_papers_joints() -> None:
     configuration = solved()
     lines = sticks(configuration)

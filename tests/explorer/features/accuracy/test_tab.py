@@ -22,7 +22,7 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, InvalidInput, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.progress import go_on
-from paminsa_viz.units import ARCSEC, number
+from paminsa_viz.units import ARCSEC, format_pose, number
 
 NEAR_FOLD = singular_rotation(APPENDIX_4.geometry) - 0.01
 
@@ -144,4 +144,8 @@ def test_largest_errors_over_the_workspace_are_those_of_poses_in_it() -> None:
         value = (here.horizontal, here.worst[3], here.worst[2])[index]
         assert value == pytest.approx(found[index].value, rel=1e-7)  # the pose is rounded
     assert worst.go_to_worst(state, 3) == state
-    assert "headings" in worst.worst_html(compute(state))
+    text = worst.worst_html(compute(state))
+    assert "headings" in text
+    for item in found:
+        assert item.pose is not None
+        assert format_pose(item.pose) in text
