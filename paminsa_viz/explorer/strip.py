@@ -19,7 +19,7 @@ from paminsa_viz.explorer.features.pose.tab import (
     torques_html,
 )
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
-from paminsa_viz.explorer.kit.robot_texts import of_pose
+from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
 from paminsa_viz.explorer.kit.text import note
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.state import State
@@ -44,8 +44,9 @@ def springs_html(frame: Frame) -> str:
     held = relieved(frame.state, frame.torques)
     if held is None:
         return ""
-    torques = ", ".join(fixed(float(value), 3) for value in held[:3])
-    text = f"With the springs: τ₁ to τ₃ {torques} N·m, F₄ {fixed(float(held[3]), 2)} N"
+    of_torque, of_force = decimals(frame.configuration.geometry)
+    torques = ", ".join(fixed(float(value), of_torque) for value in held[:3])
+    text = f"With the springs: τ₁ to τ₃ {torques} N·m, F₄ {fixed(float(held[3]), of_force)} N"
     return note("with-springs", text)
 
 

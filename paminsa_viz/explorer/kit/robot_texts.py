@@ -6,7 +6,8 @@ import math
 
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.model import APPENDIX_4, Geometry, static_imbalance
+from paminsa_viz.model.resizing import length_ratio
 
 
 def gray_if(stale: bool, *texts: str) -> str:
@@ -19,6 +20,16 @@ def of_pose(frame: Frame, *texts: str) -> str:
     return gray_if(frame.health is Health.UNREACHABLE, *texts)
 
 
+def decimals(geometry: Geometry) -> tuple[int, int]:
+    """Return with how many decimals torques [N m] and forces [N] of a robot at rest are written.
+
+    Three and two at about Appendix 4's lengths. With masses in proportion torques are as the
+    lengths to the fourth and forces as their cubes: as many digits count in a robot of any size.
+    """
+    size = max(math.log10(length_ratio(geometry)), -2.0)  # below it a line would be too short
+    return max(3 - round(4 * size), 0), max(2 - round(3 * size), 0)
+
+
 def gauge_html(frame: Frame) -> str:
     """Return M_p2 as a number and as a mark on a line from Appendix 4's value through zero."""
     reference = frame.state.document.reference
@@ -29,7 +40,7 @@ def gauge_html(frame: Frame) -> str:
     span = 1.25 * max(map(abs, values.values()))
     return render(
         "balance_gauge.j2", balance=frame.balance, default=values["default"],
-        pinned=values.get("reference"),
+        pinned=values.get("reference"), digits=decimals(frame.configuration.geometry)[1] + 1,
         ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
     )  # fmt: skip
 

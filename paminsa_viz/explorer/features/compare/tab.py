@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.bindings import perform
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Html, Message
-from paminsa_viz.explorer.kit.robot_texts import of_pose
+from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
 from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Design, static_imbalance, static_torques
@@ -49,13 +49,15 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
         design, reference: The designs.
         title: Heading of the reference's column.
     """
+    of_torque, of_force = decimals(design.geometry)
     rows = [
         (f"m{j + 1}", symbol, unit, float(torques[j]), float(held[j]), digits)
         for j, (symbol, unit, digits) in enumerate(
-            [("τ_1", "N·m", 3), ("τ_2", "N·m", 3), ("τ_3", "N·m", 3), ("F_4", "N", 2)]
+            [*((f"τ_{k}", "N·m", of_torque) for k in (1, 2, 3)), ("F_4", "N", of_force)]
         )
     ]
-    rows.append(("", "M_p2", "N", static_imbalance(design), static_imbalance(reference), 4))
+    balances = static_imbalance(design), static_imbalance(reference)
+    rows.append(("", "M_p2", "N", *balances, of_force + 2))
     return render(
         "compare/compared_torques.j2", rows=rows, title=title, reachable=np.isfinite(held).all()
     )  # fmt: skip

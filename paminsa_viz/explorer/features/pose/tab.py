@@ -13,7 +13,7 @@ from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import Button, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
-from paminsa_viz.explorer.kit.robot_texts import of_pose
+from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -66,7 +66,9 @@ def status_line_html(frame: Frame) -> str:
 
 def load_html(frame: Frame) -> str:
     """Return the static torques in one line."""
-    return render("pose/load.j2", torques=frame.torques)
+    return render(
+        "pose/load.j2", torques=frame.torques, decimals=decimals(frame.configuration.geometry)
+    )  # fmt: skip
 
 
 def actuators_html(frame: Frame) -> str:
@@ -74,6 +76,7 @@ def actuators_html(frame: Frame) -> str:
     text = render(
         "pose/actuators.j2", frame=frame, pinned=frame.state.document.reference is not None,
         reference=frame.reference_torques, degrees=np.degrees,
+        decimals=decimals(frame.configuration.geometry),
     )  # fmt: skip
     return of_pose(frame, text)
 
@@ -82,6 +85,7 @@ def torques_html(frame: Frame) -> str:
     """Return the static torques in two lines, with the change from the reference."""
     return render(
         "pose/torques.j2", torques=frame.torques, reference=frame.reference_torques,
+        decimals=decimals(frame.configuration.geometry),
     )  # fmt: skip
 
 
@@ -101,6 +105,7 @@ def quality_html(frame: Frame) -> str:
     text = render(
         "pose/quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
         margins=frame.configuration.reach.margins, finite=np.isfinite,
+        decimals=decimals(frame.configuration.geometry),
         limits={limit.label: index for index, limit in enumerate(MARGINS)},
         level=partial(_margin_level, size=size),
         share=lambda margin: f"{min(max(margin / (AMPLE * size), 0.0), 1.0):.3f}",
@@ -112,6 +117,7 @@ def summary_html(frame: Frame) -> str:
     """Return condition, least margin and static imbalance in a line."""
     return render(
         "pose/summary.j2", frame=frame, margin=frame.configuration.reach.margins.min(),
+        decimals=decimals(frame.configuration.geometry),
     )  # fmt: skip
 
 

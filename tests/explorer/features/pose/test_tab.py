@@ -19,12 +19,17 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.pose.tab import (
     GRAIN,
     POSE,
+    actuators_html,
     heights,
     holding,
+    load_html,
     pose_limits,
     quality_html,
+    summary_html,
+    torques_html,
 )
 from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.robot_texts import gauge_html
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4, PARAMETER, KneeBranch, check_reach
@@ -86,6 +91,26 @@ def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
         text = quality_html(compute(initial_state(APPENDIX_4.vary(lengths))))
         texts.append(re.findall('"pv-(ok|warn|bad)"', text))
     assert texts == [["ok"] * 12] * 2
+
+
+def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None:
+    """With masses and inertias in proportion: torques are as the lengths to the fourth."""
+    powers = {"m": 1, "kg": 3}
+    groups = ("geometry", "joints", "links", "platform")
+    scaled = [path for path in PARAMETER if path.split(".")[0] in groups]
+    scaled = [path for path in scaled if PARAMETER[path].unit in powers]
+    for factor, torques, force, balance in (
+        (0.1, ["0.0000923", "0.0000898", "0.0000966"], "0.23875", "0.009100"),
+        (1.0, ["0.923", "0.898", "0.966"], "238.75", "9.100"),
+        (10.0, ["9235", "8975", "9657"], "238752", "9100.4"),
+    ):
+        masses = {p: APPENDIX_4.value(p) * factor ** powers[PARAMETER[p].unit] for p in scaled}
+        at = (0.05 * factor, 0.03 * factor, 0.35, -0.55 * factor)
+        frame = compute(actions.move_to(initial_state(APPENDIX_4.vary(masses)), at))
+        for text in (load_html, actuators_html, torques_html):
+            assert re.findall("<b>.*?([0-9.]+)</", text(frame)) == [*torques, force]
+        for text in (gauge_html, summary_html):
+            assert f">{balance}<" in text(frame)
 
 
 def test_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
