@@ -44,7 +44,6 @@ from paminsa_viz.balancing.program import Solution
 from paminsa_viz.balancing.springs import STIFFEST, Anchor, springs_of
 from paminsa_viz.model import (
     APPENDIX_4,
-    PARAMETER,
     Grid,
     InvalidDesign,
     InvalidInput,
@@ -52,6 +51,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.parameters import LARGEST as LARGEST_BY_UNIT
 from tests.support.documentation import defaults_of, missing
+from tests.support.samples import prototype_times
 
 POSE = [0.02, 0.01, 0.1, -0.5]
 FEW = Grid.over((0.0, 0.0, 0.0, -0.5), x=np.array([-0.05, 0.05]))
@@ -198,11 +198,7 @@ def test_the_papers_balance_may_add_to_the_masses_in_m_p2_alone() -> None:
 
 def test_a_robot_of_ten_times_the_lengths_is_balanced_within_the_default_bounds() -> None:
     """Its masses are 1000 times Appendix 4's, as is the mass that has to be added."""
-    paths = [path for path in PARAMETER if path.split(".")[0] in ("joints", "links")]
-    lengths = [path for path, item in PARAMETER.items() if item.group == "geometry"]
-    lengths = [path for path in lengths if PARAMETER[path].unit == "m"]
-    sizes = {path: 1e3 * APPENDIX_4.value(path) for path in paths}
-    large = APPENDIX_4.vary(sizes | {path: 10 * APPENDIX_4.value(path) for path in lengths})
+    large = prototype_times(10.0)
     added = [found.values[1].after for found in (balance(APPENDIX_4), balance(large))]
     assert added[1] == pytest.approx(1e3 * added[0])
     assert static_imbalance(balance(large).after) == pytest.approx(0.0, abs=1e-9)

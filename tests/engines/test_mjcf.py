@@ -16,7 +16,7 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
-from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.parameters import Friction
@@ -24,7 +24,7 @@ from paminsa_viz.model.statics import static_torques
 from tests import oracle
 from tests.support import samples
 from tests.support.cases import BOTH, PROTOTYPES
-from tests.support.samples import with_knee
+from tests.support.samples import prototype_times, with_knee
 
 RANDOM = samples.random_design(np.random.default_rng(7))
 EACH = samples.each_robot((7,))
@@ -220,17 +220,8 @@ def test_a_gram_at_a_slide_or_a_gram_square_meter_in_a_thousand_at_a_hinge_is_en
 
 def test_a_robot_of_a_tenth_of_the_lengths_stands_as_the_prototype_does(mujoco: Any) -> None:
     """Its links are light, but not beside each other: nothing moves by a micrometer."""
-    powers = {"m": 1, "kg": 3, "kg m^2": 5}
-    groups = ("geometry", "joints", "links", "inertias", "platform")
-    small = APPENDIX_4.vary(
-        {
-            path: 0.1 ** powers[item.unit] * APPENDIX_4.value(path)
-            for path, item in PARAMETER.items()
-            if path.split(".")[0] in groups and item.unit in powers
-        }
-    )
     moved = []
-    for design in (APPENDIX_4, small):
+    for design in (APPENDIX_4, prototype_times(0.1)):
         model = mujoco.MjModel.from_xml_string(exported_mjcf(design))
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, 0)

@@ -240,3 +240,16 @@ def with_knee(robot: Robot, knee: KneeBranch) -> Robot:
     if isinstance(robot, Design):
         return robot.with_knee(knee)
     return replace(robot, knee=knee)
+
+
+def prototype_times(factor: float) -> Design:
+    """Return Appendix 4's robot with lengths times a factor, masses and inertias in proportion."""
+    powers = {"m": 1, "kg": 3, "kg m^2": 5}
+    groups = ("geometry", "joints", "links", "inertias", "platform")
+    return APPENDIX_4.vary(
+        {
+            path: APPENDIX_4.value(path) * factor ** powers[item.unit]
+            for path, item in PARAMETER.items()
+            if path.split(".")[0] in groups and item.unit in powers
+        }
+    )

@@ -31,12 +31,13 @@ from paminsa_viz.explorer.features.pose.tab import (
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.robot_texts import gauge_html
 from paminsa_viz.explorer.kit.task import Follower
+from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.state.state import initial_state
-from paminsa_viz.model import APPENDIX_4, PARAMETER, KneeBranch, check_reach
+from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
-from tests.support.samples import random_design, with_knee
+from tests.support.samples import prototype_times, random_design, with_knee
 
 PANEL = POSE
 HOME = -552.0
@@ -83,34 +84,31 @@ def shown(desk: Desk, name: str = "z") -> tuple[float, float, float]:
 def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
     texts = []
     for factor in (1.0, 0.1):
-        lengths = {
-            path: factor * APPENDIX_4.value(path)
-            for path, item in PARAMETER.items()
-            if path.startswith("geometry.") and item.unit == "m"
-        }
-        text = quality_html(compute(initial_state(APPENDIX_4.vary(lengths))))
+        text = quality_html(compute(initial_state(prototype_times(factor))))
         texts.append(re.findall('"pv-(ok|warn|bad)"', text))
     assert texts == [["ok"] * 12] * 2
 
 
 def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None:
     """With masses and inertias in proportion: torques are as the lengths to the fourth."""
-    powers = {"m": 1, "kg": 3}
-    groups = ("geometry", "joints", "links", "platform")
-    scaled = [path for path in PARAMETER if path.split(".")[0] in groups]
-    scaled = [path for path in scaled if PARAMETER[path].unit in powers]
     for factor, torques, force, balance in (
         (0.1, ["0.0000923", "0.0000898", "0.0000966"], "0.23875", "0.009100"),
         (1.0, ["0.923", "0.898", "0.966"], "238.75", "9.100"),
         (10.0, ["9235", "8975", "9657"], "238752", "9100.4"),
     ):
-        masses = {p: APPENDIX_4.value(p) * factor ** powers[PARAMETER[p].unit] for p in scaled}
         at = (0.05 * factor, 0.03 * factor, 0.35, -0.55 * factor)
-        frame = compute(actions.move_to(initial_state(APPENDIX_4.vary(masses)), at))
+        frame = compute(actions.move_to(initial_state(prototype_times(factor)), at))
         for text in (load_html, actuators_html, torques_html):
             assert re.findall("<b>.*?([0-9.]+)</", text(frame)) == [*torques, force]
         for text in (gauge_html, summary_html):
             assert f">{balance}<" in text(frame)
+
+
+def test_page_opens_where_gravity_loads_the_actuators_of_a_robot_of_any_size() -> None:
+    for factor in (0.1, 1.0, 10.0):
+        x, y, theta, _ = opening_state(prototype_times(factor)).document.pose
+        assert (x, y) == pytest.approx((0.08 * factor, 0.05 * factor))
+        assert theta == pytest.approx(np.pi / 3)
 
 
 def test_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.core.actions import vary
 from paminsa_viz.explorer.core.requirements import current_check, default_workspace
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.features.requirements import actions, suggestions
 from paminsa_viz.explorer.features.requirements.actions import End, Side, selected, side_of
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import APPENDIX_4, PARAMETER, InvalidInput
+from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities import QUANTITIES, families
 from paminsa_viz.quantities.requirements import WorkspaceShape
+from tests.support.samples import prototype_times
 
 
 @pytest.fixture
@@ -124,13 +124,8 @@ def test_the_suggested_set_has_headings_and_a_workspace_and_can_be_cleared() -> 
 
 
 def test_of_a_small_robot_is_asked_what_it_can_do() -> None:
-    small = {
-        path: 0.05 * APPENDIX_4.value(path)
-        for path, item in PARAMETER.items()
-        if path.startswith("geometry.") and item.unit == "m"
-    }
     heights = []
-    for start in (vary(initial_state(), small), initial_state()):
+    for start in (initial_state(prototype_times(0.05)), initial_state()):
         state = actions.suggest(start)
         check = current_check(state)
         assert check is not None
