@@ -58,7 +58,11 @@ _CHARTS: dict[SeriesKind, tuple[tuple[str, tuple[int, ...]], ...]] = {
 """Heading and panels of the charts of each kind; those of a breakdown depend on the actuator."""
 
 _SMALL: dict[SeriesKind, int] = {"differences": -30, "errors": -3}
-"""What may be shown in a fraction of its unit, and its lowest power of ten."""
+"""What is shown in a fraction of its unit however small it is, and its lowest power of ten."""
+
+_LEAST = 1e-6
+"""What else is shown in a fraction of its unit has a largest value of this, as the torques of a
+robot of a tenth of the lengths have; those of a balanced robot are rounding below it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +112,9 @@ def _chart(data: SeriesData, title: str, panels: tuple[SeriesPanel, ...]) -> Cha
     traces = [(panel, trace) for panel in panels for trace in panel.traces]
     traces.sort(key=lambda item: trace_order(item[1]))
     unit = display_unit(panels[0].unit)
-    if data.kind in _SMALL:
-        largest = largest_size([trace for _, trace in traces])
-        unit = readable_unit(panels[0].unit, largest, lowest=_SMALL[data.kind])
+    largest = largest_size([trace for _, trace in traces])
+    if data.kind in _SMALL or unit.factor * largest >= _LEAST:
+        unit = readable_unit(panels[0].unit, largest, lowest=_SMALL.get(data.kind, -6))
     if data.sources.engine is not None:
         title = title.format(data.sources.engine.name)
     drawn = tuple(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing import balance
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.clearance import motion_job
@@ -25,13 +26,14 @@ from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import InvalidInput, Misprint
+from paminsa_viz.model import APPENDIX_4, InvalidInput, Misprint
 from paminsa_viz.palette import MUTED
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
 from tests.support.charts import shown_curve
+from tests.support.samples import prototype_times
 from tests.support.tasks import delivered
 
 
@@ -201,6 +203,21 @@ def test_path_is_gray_but_for_the_piece_of_time_that_is_plotted(state: State) ->
 def test_what_is_no_piece_of_time_is_none(data: Any) -> None:
     assert plots.piece_of(data) is None
     assert plots.piece_of({"from": 0.5, "to": 1}) == (0.5, 1.0)
+
+
+def test_torques_of_a_small_robot_are_drawn_in_a_fraction_of_their_unit() -> None:
+    """A chart's axis has three decimals; of a balanced robot there is nothing to enlarge."""
+    small, large = (initial_state(prototype_times(factor)) for factor in (0.1, 1.0))
+    for start, unit, factor in (
+        (small, "10⁻⁶ N·m", 1e6),
+        (large, "N·m", 1.0),
+        (actions.load_design(large, balance(APPENDIX_4).after), "N·m", 1.0),
+    ):
+        found = results(motions.choose_preset(start, "circle"))
+        turning, _ = drawn_charts(start, found)
+        assert turning.title == f"Torques [{unit}]"
+        torque = factor * found.analysis.torque[:, 0]
+        np.testing.assert_allclose(turning.traces[0].values, torque, atol=1e-12)
 
 
 @pytest.mark.slow
