@@ -10,6 +10,7 @@ from paminsa_viz.explorer.core.simulated import at_instant
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.layers import with_layers
 from paminsa_viz.explorer.state.plane import PlaneJob
+from paminsa_viz.explorer.state.simulation import unknown_payload
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS, name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
@@ -35,7 +36,11 @@ def with_document(state: State, document: Document) -> State:
     last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)
-    return replace(state, document=document, last_reachable=last_reachable)
+    changed = replace(state, document=document, last_reachable=last_reachable)
+    was, payload = (unknown_payload(one.document.design.geometry) for one in (state, changed))
+    if payload == was or state.simulation.settings.payload_mismatch != was:
+        return changed  # or a person has chosen one
+    return changed.updated("simulation.settings", payload_mismatch=payload)
 
 
 def change_document(state: State, **changes: Any) -> State:

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
-from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.model import Design, Geometry, InvalidInput
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.parameters import LARGEST
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import (
     Controller,
@@ -38,7 +40,7 @@ class SimulationSettings(Settings):
     """Robot and controller of a simulation.
 
     The default carries 5 kg that the controller does not know of, with gains so low that the robot
-    is seen to sink below its path.
+    is seen to sink below its path; see `unknown_payload` for robots of other lengths.
 
     Attributes:
         bandwidth: [Hz].
@@ -62,7 +64,7 @@ class SimulationSettings(Settings):
     damping: float = setting(1.0, "Damping ratio", range=(0.0, 5.0), step=0.1)
     payload_mismatch: float = setting(
         5.0, "Payload mismatch [kg]", "Payload of the robot beyond what the controller assumes",
-        range=(-10.0, 50.0), step=0.1,
+        range=(-10_000.0, 10_000.0), step=0.1,
     )  # fmt: skip
     knows_friction: bool = setting(
         True, "Friction is known",
@@ -75,6 +77,19 @@ class SimulationSettings(Settings):
     def controller(self) -> Controller:
         """Return the controller."""
         return Controller(self.control, self.bandwidth, self.damping)
+
+
+def unknown_payload(geometry: Geometry) -> float:
+    """Return the payload that the controller does not know of at first, to one digit [kg].
+
+    It sinks in proportion to itself over the robot's mass: to be seen in a robot of other lengths,
+    and not to leave its workspace, it is as the lengths to the fourth.
+    """
+    default = SimulationSettings().payload_mismatch
+    size = length_ratio(geometry)
+    if 0.5 < size < 2.0:
+        return default
+    return float(f"{min(default * size**4, LARGEST['kg']):.0e}")
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from paminsa_viz.explorer.state.motion import Playback, PlotView, PointEditing
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.pins import PinsState
 from paminsa_viz.explorer.state.requirements import RequirementsState
-from paminsa_viz.explorer.state.simulation import Answer, SimulationState
+from paminsa_viz.explorer.state.simulation import Answer, SimulationState, unknown_payload
 from paminsa_viz.explorer.state.springs import SpringsState
 from paminsa_viz.explorer.state.stiffness import StiffnessState
 from paminsa_viz.explorer.state.synthesis import SynthesisState
@@ -145,4 +145,6 @@ def initial_state(design: Design = APPENDIX_4) -> State:
     """Return the state a new session starts with."""
     pose = home_pose(design.geometry)
     document = Document(design, pose)
-    return State(document, LastReachable(design.geometry, pose))
+    state = State(document, LastReachable(design.geometry, pose))
+    payload = unknown_payload(design.geometry)
+    return state.updated("simulation.settings", payload_mismatch=payload)

@@ -30,6 +30,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.trajectory import Simulation
 from paminsa_viz.trajectory.simulation import ControlMode
 from tests.support.raw_page import RawPage
+from tests.support.samples import prototype_times
 from tests.support.tasks import finished
 
 
@@ -52,6 +53,19 @@ def test_motion_plots_say_that_a_simulation_runs() -> None:
     found = MotionStore().all(state)
     assert "press Simulate" in caption_html(state, found, ())
     assert "Simulating …" in caption_html(simulations.simulate(state), found, ())
+
+
+def test_unknown_payload_follows_the_lengths_until_a_person_sets_it() -> None:
+    def payload(state: State) -> float:
+        return state.simulation.settings.payload_mismatch
+
+    start, small = initial_state(), prototype_times(0.1)
+    assert payload(start) == payload(initial_state(prototype_times(1.5))) == 5.0
+    assert payload(initial_state(small)) == payload(actions.load_design(start, small)) == 5e-4
+    assert payload(actions.restore(actions.load_design(start, small), start.document)) == 5.0
+    assert payload(initial_state(prototype_times(10.0))) == 1e4
+    chosen = start.updated("simulation.settings", payload_mismatch=2.0)
+    assert payload(actions.load_design(chosen, small)) == 2.0
 
 
 @pytest.mark.slow
