@@ -68,6 +68,10 @@ def problem(frame: Frame) -> str:
     return "" if status == Limit.OK else Limit(status).explanation
 
 
+ROOM = 8
+"""Letters that a column of the table of joints has room for, as those of −0.0123."""
+
+
 def joints(frame: Frame) -> str:
     """Return the table of the joints of the chosen leg."""
     if problem(frame):
@@ -75,9 +79,11 @@ def joints(frame: Frame) -> str:
     at, leg = instant(frame.state), frame.state.loads.settings.leg
     forces = forces_at(at)
     table = of_leg(joints_table(forces, sideways_at(at)), leg)
+    widest = max(len(cell) for row in table.rows for cell in row.cells)
     return render(
-        "loads/joints.j2", table=table, color=ACTUATOR_COLORS[leg], axial=shown(forces.axial, "N")
-    )
+        "loads/joints.j2", table=table, color=ACTUATOR_COLORS[leg], axial=shown(forces.axial, "N"),
+        look="pv-tight" if widest > ROOM else "",
+    )  # fmt: skip
 
 
 def bars(frame: Frame) -> str:

@@ -19,6 +19,7 @@ from paminsa_viz.explorer.features.loads import tab
 from paminsa_viz.explorer.features.loads.solving import ALONG_MOTION, find_loads, instant
 from paminsa_viz.explorer.kit.chart import chart as plotly
 from paminsa_viz.explorer.kit.chart import figure
+from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -27,6 +28,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.units import number
 from tests.support.desk import desk_with
+from tests.support.samples import prototype_times
 
 
 def known(shown: tuple[Any, ...] | None) -> tuple[Any, ...]:
@@ -39,6 +41,12 @@ def along() -> State:
     analysis = compute(state).analysis
     assert analysis is not None
     return ALONG_MOTION.deliver(state, solve(find_loads, analysis))
+
+
+def test_columns_stand_closer_where_numbers_of_a_small_robot_are_long() -> None:
+    for factor, tight in ((1.0, False), (0.1, True)):
+        state = opening_state(prototype_times(factor))
+        assert ("pv-tight" in tab.joints(compute(state))) is tight
 
 
 def test_tables_are_those_of_the_pose_and_the_leg() -> None:
