@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.features.requirements import actions, suggestions
 from paminsa_viz.explorer.features.requirements.actions import End, Side, selected, side_of
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.quantities import QUANTITIES, families
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from tests.support.samples import prototype_times
