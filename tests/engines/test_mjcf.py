@@ -210,7 +210,7 @@ def test_a_gram_at_a_slide_or_a_gram_square_meter_in_a_thousand_at_a_hinge_is_en
     masses = MASSLESS | {"links.b1": 0.1, "joints.j7": 1.0, "links.b2": 0.0, "joints.j3": 1.0}
     for path, least, unit in (
         ("joints.j3", 1e-3, "0.001 kg"),
-        ("joints.j7", 1e-6 / short**2, r"1e-06 kg m\^2"),
+        ("joints.j7", 1e-6 / short**2, r"1e-06 kg·m²"),
     ):
         exported_mjcf(APPENDIX_4.vary(masses | {path: least * (1 + 1e-9)}))
         with pytest.raises(InvalidInput, match=f"MuJoCo cannot move less than {unit}$"):

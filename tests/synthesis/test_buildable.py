@@ -205,7 +205,7 @@ def test_answer_says_on_all_ways_whether_it_can_be_built() -> None:
     assert result.case.title == "synthesis" == result.design.name
     blocks = synthesis_blocks(result)
     assert OVERLAP_ALLOWED not in [b.text for b in blocks if isinstance(b, Note)]
-    (table,) = [b for b in blocks if isinstance(b, Table) and b.head[-1] == "Reference"]
+    (table,) = [b for b in blocks if isinstance(b, Table) and b.head[-1] == "Before"]
     assert table == buildability_table(*both(result))
     assert not any(row.kind == "marked" for row in table.rows)
     data = json.loads(json.dumps(plain(buildability_data(result))))["robot"]
