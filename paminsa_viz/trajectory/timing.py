@@ -31,6 +31,9 @@ from paminsa_viz.trajectory.supremum import nodes, supremum
 from paminsa_viz.trajectory.time_laws import TimeLaw, fit_law
 from paminsa_viz.units import format_ascii
 
+UNBOUNDED_JERK = "the acceleration of this motion jumps, so its jerk has no bound"
+"""Why a motion keeps no limit of jerk."""
+
 _ROUNDING = 1e-12
 """Share by which a duration is longer than required, against rounding."""
 
@@ -166,8 +169,7 @@ def shortest_stretch(
     if design is not None:
         check_path(design.geometry, plan.lasting(1.0).sample(), clearance).require()
     if np.isfinite(limits.rates[2]).any() and not plan.curve.bounded_jerk:
-        problem = "the acceleration of this motion jumps, so its jerk has no bound"
-        raise InvalidInput("limits", problem)
+        raise InvalidInput("limits", UNBOUNDED_JERK)
 
     def needed_by(one: Plan) -> Callable[[Array], Array]:
         return needed_durations(one.curve, limits, design, drives, misprints)

@@ -41,6 +41,7 @@ from paminsa_viz.trajectory import (
     via_points,
 )
 from paminsa_viz.trajectory.presets import PresetFrame
+from paminsa_viz.trajectory.timing import UNBOUNDED_JERK
 
 _KEPT = 12
 """Trajectories that are kept, of all tabs together; one has at most 2 MB."""
@@ -119,7 +120,7 @@ def _to_change(error: PaminsaError, limits: MotionLimits) -> str:
         return error.to_raise
     if not isinstance(error, InvalidInput) or error.argument != "limits":
         return ""
-    if "jerk" in error.problem:
+    if error.problem == UNBOUNDED_JERK:
         return "turn_jerk" if limits.jerk is None else "jerk"
     return "torque"
 

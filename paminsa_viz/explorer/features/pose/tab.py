@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from math import ceil, floor
+from typing import Any
 
 import numpy as np
 
@@ -64,28 +65,32 @@ def status_line_html(frame: Frame) -> str:
     return render("pose/status_line.j2", level=level, title=title, lines=lines, back=back)
 
 
+def _at_rest(name: str, frame: Frame, **values: Any) -> str:
+    """Return a template of this section with what it writes of a robot at rest."""
+    return render(
+        f"pose/{name}.j2", frame=frame, torques=frame.torques,
+        decimals=decimals(frame.configuration.geometry), **values,
+    )  # fmt: skip
+
+
 def load_html(frame: Frame) -> str:
     """Return the static torques in one line."""
-    return render(
-        "pose/load.j2", torques=frame.torques, decimals=decimals(frame.configuration.geometry)
-    )  # fmt: skip
+    return _at_rest("load", frame)
 
 
 def actuators_html(frame: Frame) -> str:
     """Return positions and static torques of the four actuators."""
-    text = render(
-        "pose/actuators.j2", frame=frame, pinned=frame.state.document.reference is not None,
+    text = _at_rest(
+        "actuators", frame, pinned=frame.state.document.reference is not None,
         reference=frame.reference_torques, degrees=np.degrees,
-        decimals=decimals(frame.configuration.geometry),
     )  # fmt: skip
     return of_pose(frame, text)
 
 
 def torques_html(frame: Frame) -> str:
     """Return the static torques in two lines, with the change from the reference."""
-    return render(
-        "pose/torques.j2", torques=frame.torques, reference=frame.reference_torques,
-        decimals=decimals(frame.configuration.geometry),
+    return _at_rest(
+        "torques", frame, reference=frame.reference_torques,
     )  # fmt: skip
 
 
@@ -102,10 +107,9 @@ def _margin_level(margin: float, size: float) -> str:
 def quality_html(frame: Frame) -> str:
     """Return static imbalance, condition, distances to singularities and the legs' margins."""
     size = length_ratio(frame.configuration.geometry)
-    text = render(
-        "pose/quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
+    text = _at_rest(
+        "quality", frame, singularity=frame.singularity, degrees=np.degrees,
         margins=frame.configuration.reach.margins, finite=np.isfinite,
-        decimals=decimals(frame.configuration.geometry),
         limits={limit.label: index for index, limit in enumerate(MARGINS)},
         level=partial(_margin_level, size=size),
         share=lambda margin: f"{min(max(margin / (AMPLE * size), 0.0), 1.0):.3f}",
@@ -115,9 +119,8 @@ def quality_html(frame: Frame) -> str:
 
 def summary_html(frame: Frame) -> str:
     """Return condition, least margin and static imbalance in a line."""
-    return render(
-        "pose/summary.j2", frame=frame, margin=frame.configuration.reach.margins.min(),
-        decimals=decimals(frame.configuration.geometry),
+    return _at_rest(
+        "summary", frame, margin=frame.configuration.reach.margins.min(),
     )  # fmt: skip
 
 

@@ -53,7 +53,7 @@ def _possible(value: float) -> float:
 def default_ranges(design: Design, requirements: Requirements) -> dict[str, Range]:
     """Return ranges around a design, by path [SI]: half to twice its own lengths.
 
-    With a workspace, those of its height and sizes as well.
+    With a workspace, those of its width and height as well.
     """
     held = {path: design.value(path) for path in DEFAULT_PATHS}
     found = {path: (_possible(0.5 * value), _possible(2.0 * value)) for path, value in held.items()}
