@@ -35,15 +35,43 @@ def segments(curve: ArrayLike, height: float = 0.0) -> Array:
     return pairs[np.isfinite(pairs).all(axis=(1, 2))]
 
 
-def thinned(curve: ArrayLike, most: int) -> Array:
-    """Return at most about ``most`` points of a fine curve (n, 2) or (n, 3), both ends among them.
+def resampled(curve: ArrayLike, count: int) -> Array:
+    """Return ``count`` points of a curve (n, 2), equally far along it, both ends among them."""
+    points = np.asarray(curve, dtype=np.float64)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = np.linspace(0.0, way[-1], count)
+    return np.stack([np.interp(at, way, points[:, i]) for i in range(2)], axis=1)
 
-    A thick line costs a browser without a graphics card as much as a body, segment by segment.
+
+def circles(radii: ArrayLike, count: int = 40) -> Array:
+    """Return circles about the origin of radii (k,) [m], (k, count + 1, 2), closed."""
+    angle = np.linspace(0.0, 2 * np.pi, count + 1)
+    return np.multiply.outer(radii, np.stack([np.cos(angle), np.sin(angle)], axis=-1))
+
+
+def bands(curves: Array, width: ArrayLike) -> tuple[Array, NDArray[np.uint32]]:
+    """Return plane curves (k, n, 2) as flat bands of a width [m], one for all or (k,).
+
+    Edges meet where a curve bends, up to a right angle, and where it ends at its first point.
+
+    Returns:
+        Corners (2 k n, 2) [m], and triangles (2 k (n - 1), 3) of their indices.
     """
-    points = np.atleast_2d(np.asarray(curve, dtype=np.float64))
-    if len(points) <= most:
-        return points
-    return points[np.linspace(0, len(points) - 1, most).round().astype(int)]
+    steps = np.diff(curves, axis=1)
+    along = steps / np.maximum(np.linalg.norm(steps, axis=-1, keepdims=True), 1e-12)
+    closed = np.isclose(curves[:, :1], curves[:, -1:]).all(axis=-1, keepdims=True)
+    before = np.concatenate([np.where(closed, along[:, -1:], along[:, :1]), along], axis=1)
+    after = np.concatenate([along, np.where(closed, along[:, :1], along[:, -1:])], axis=1)
+    middle = before + after
+    # Both edges are along the bisector, further away by the cosine of half the bend.
+    middle /= np.maximum(np.sum(middle**2, axis=-1, keepdims=True) / 2, 1.0)
+    half = 0.5 * np.reshape(width, (-1, 1, 1))
+    aside = half * np.stack([-middle[..., 1], middle[..., 0]], axis=-1)
+    corners = np.stack([curves + aside, curves - aside], axis=2)
+    count, points = curves.shape[:2]
+    first = 2 * (points * np.arange(count)[:, None] + np.arange(points - 1))
+    faces = np.stack([first, first + 1, first + 2, first + 1, first + 3, first + 2], axis=-1)
+    return corners.reshape(-1, 2), faces.reshape(-1, 3).astype(np.uint32)
 
 
 def dashes(lines: Array, length: float) -> Array:

@@ -23,8 +23,15 @@ from paminsa_viz.explorer.scene.cameras import (
     in_window,
     preset,
 )
-from paminsa_viz.explorer.scene.curves import MOST_DASHES, dashes, segments
-from paminsa_viz.explorer.scene.nodes import Nodes, curves, lines
+from paminsa_viz.explorer.scene.curves import (
+    MOST_DASHES,
+    bands,
+    circles,
+    dashes,
+    resampled,
+    segments,
+)
+from paminsa_viz.explorer.scene.nodes import Nodes, curves, flat_curves, lines
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.palette import LIGHT, rgb
@@ -73,6 +80,70 @@ def test_dashes_cover_half_of_a_curve() -> None:
     drawn = np.linalg.norm(cut[:, 1] - cut[:, 0], axis=1).sum()
     assert drawn == pytest.approx(np.pi * 0.3, rel=0.01)
     assert np.hypot(cut[..., 0], cut[..., 1]) == pytest.approx(0.3, abs=1e-4)
+
+
+def areas(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Signed areas of triangles [m^2]."""
+    a, b, c = (corners[faces[:, i]] for i in range(3))
+    (x, y), (u, v) = (b - a).T, (c - a).T
+    return 0.5 * (x * v - y * u)
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.3])
+def test_a_circles_band_is_a_ring(radius: float) -> None:
+    count, width = 90, 0.02
+    corners, faces = bands(circles([radius], count), width)
+    apothem = radius * np.cos(np.pi / count)
+    # Edges are parallel to the sides, so that the band is as wide everywhere.
+    sides = (np.hypot(*corners.T) * np.cos(np.pi / count)).reshape(-1, 2)
+    np.testing.assert_allclose(sides[:, 0], apothem - width / 2, rtol=1e-12)
+    np.testing.assert_allclose(sides[:, 1], apothem + width / 2, rtol=1e-12)
+    found = areas(corners, faces)
+    assert (found > 0).all() or (found < 0).all()
+    ring = count * np.tan(np.pi / count) * ((apothem + width / 2) ** 2 - (apothem - width / 2) ** 2)
+    assert abs(found.sum()) == pytest.approx(ring)
+
+
+def test_bands_of_dashes_and_of_a_square_are_as_wide_as_asked() -> None:
+    cut = dashes(segments(circle(0.3, 400)), 0.02)[..., :2]
+    corners, faces = bands(cut, 0.004)
+    length = np.linalg.norm(cut[:, 1] - cut[:, 0], axis=1)
+    np.testing.assert_allclose(
+        np.abs(areas(corners, faces)).reshape(-1, 2).sum(axis=1), 0.004 * length
+    )
+    square = np.array([[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]]])
+    corners, faces = bands(square, 0.1)
+    np.testing.assert_allclose(np.sort(np.unique(corners)), [-0.05, 0.05, 0.95, 1.05])
+    assert np.abs(areas(corners, faces)).sum() == pytest.approx(1.1**2 - 0.9**2)
+    wide, _ = bands(np.concatenate([square, square]), [0.1, 0.2])
+    np.testing.assert_allclose(wide[:10], corners)
+    np.testing.assert_allclose(np.unique(wide[10:]), [-0.1, 0.1, 0.9, 1.1])
+
+
+def test_a_point_that_turns_back_and_one_given_twice_are_drawn() -> None:
+    there_and_back = np.array([[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.5, 0.0]]])
+    corners, _ = bands(there_and_back, 0.2)
+    assert np.isfinite(corners).all()
+    assert np.abs(corners[:, 1]).max() <= 0.1 + 1e-12
+
+
+@pytest.mark.parametrize("count", [2, 7, 300])
+def test_a_curve_is_resampled_along_its_length(count: int) -> None:
+    points = resampled(circle(0.3, 1000), count)
+    np.testing.assert_allclose(points[[0, -1]], [[0.3, 0.0], [0.3, 0.0]], atol=1e-12)
+    angle = 2 * np.pi * np.arange(count) / (count - 1)
+    expected = 0.3 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    np.testing.assert_allclose(points, expected, atol=1e-5)
+
+
+def test_a_flat_curve_lies_at_its_height_and_keeps_its_node(server: viser.ViserServer) -> None:
+    nodes, drawn = server.scene._handle_from_node_name, Nodes(server.scene)
+    drawn.show([flat_curves("/flat", circles([0.3]), "#123456", 0.01, height=-0.5)])
+    node = nodes["/flat"]
+    assert np.unique(node.vertices[:, 2]) == pytest.approx([-0.5])
+    drawn.show([flat_curves("/flat", circles([0.1]), "#123456", 0.01, height=-0.5)])
+    assert nodes["/flat"] is node
+    assert np.hypot(*node.vertices[:, :2].T).max() == pytest.approx(0.105, rel=0.01)
 
 
 @pytest.mark.parametrize("fraction", [-1.0, -0.3, 0.0, 0.4, 1.0])

@@ -72,7 +72,7 @@ def test_mark_on_the_ground_grows_with_the_robot(server: viser.ViserServer) -> N
         view.draw(frame_at(design=resized(APPENDIX_4, times), layers=[]), False)
         back = server.scene._handle_from_node_name["/floor/pose/back"]
         sizes.append(size_of("vertices")(back))
-    assert sizes == pytest.approx([2 * RING, 6 * RING])
+    assert sizes == pytest.approx([2 * RING, 6 * RING], rel=0.005)  # a polygon
 
 
 def test_symbols_are_of_a_stated_size_and_none_is_tiny() -> None:

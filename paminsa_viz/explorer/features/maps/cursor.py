@@ -15,9 +15,10 @@ from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.browser.bridge import finite
 from paminsa_viz.explorer.core.planning import planned, pose_at
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.features.maps.floor import ABOVE, RING, ring
+from paminsa_viz.explorer.features.maps.floor import ABOVE, RING
 from paminsa_viz.explorer.features.maps.pictures import HOVER
-from paminsa_viz.explorer.scene.nodes import Node, Nodes, mesh
+from paminsa_viz.explorer.scene.curves import circles
+from paminsa_viz.explorer.scene.nodes import Node, Nodes, flat_curves, mesh
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -51,7 +52,7 @@ def _marks(size: float) -> tuple[Node, ...]:
     """Return the ring and the point for symbols of a size."""
     ball = icosphere(subdivisions=2, radius=POINT * size)
     return (
-        mesh("/cursor/ring", *ring(0.5 * RING * size, 0.7 * RING * size, 0.0), WARN),
+        flat_curves("/cursor/ring", circles([0.6 * RING * size]), WARN, 0.2 * RING * size),
         mesh("/cursor/point/ball", ball.vertices, ball.faces, WARN),
     )
 

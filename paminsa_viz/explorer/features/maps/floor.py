@@ -11,16 +11,15 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from trimesh.creation import annulus
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.features.motion.points import click_map
 from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.scene.curves import thinned
+from paminsa_viz.explorer.scene.curves import circles, dashes, resampled, segments
 from paminsa_viz.explorer.scene.legend import color_bar
-from paminsa_viz.explorer.scene.nodes import Node, Nodes, curves, mesh
+from paminsa_viz.explorer.scene.nodes import Node, Nodes, flat_curves
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -42,30 +41,30 @@ PERIOD, PERIOD_PLAIN = 0.1, 0.3
 one takes two pictures of the scene, and the robot would wait for them. The panel's maps do not."""
 
 DASH: Final = 0.022
-OUTLINE: Final = 120
-"""Most points of the workspace's boundary on the floor."""
+OUTLINE: Final = 181
+"""Points of each piece of the workspace's boundary on the floor."""
+LINE: Final = 0.011
+"""Width of lines on the floor, at Appendix 4's lengths [m]."""
 RING: Final = 0.032
 """Radius of the mark below the platform, at Appendix 4's lengths [m]."""
-THICKNESS: Final = 2e-5
-"""Thickness of its rings [m]."""
-
 MARK: Final = (
-    ("back", "#ffffff", (0.0, RING, 0.0)),
-    ("dot", INK, (0.0, 0.28 * RING, 0.0006)),
-    ("mark", INK, (0.64 * RING, 0.86 * RING, 0.0006)),
+    ("back", "#ffffff", (0.5,), (1.0,), 0.0),
+    ("mark", INK, (0.14, 0.75), (0.28, 0.22), 0.0006),
 )
-"""The mark below the platform: name, color; inner and outer radius and height of its rings [m]."""
+"""The mark below the platform: name, color, radii and widths of its circles over `RING`, and height
+[m]."""
 
 
 @kept(4)
 def _mark(size: float) -> tuple[Node, ...]:
     """Return the mark below the platform, for symbols of a size."""
+    radius = size * RING
     return tuple(
-        mesh(
-            f"/floor/pose/{name}", *ring(size * inner, size * outer, height), color,
-            flat_shading=True,
+        flat_curves(
+            f"/floor/pose/{name}", radius * circles(radii), color, radius * np.array(widths),
+            height=height,
         )
-        for name, color, (inner, outer, height) in MARK
+        for name, color, radii, widths, height in MARK
     )  # fmt: skip
 
 
@@ -146,16 +145,18 @@ class FloorMap:
         # Shapes of the reach alone: the same for every quantity, and without a reference.
         cells = COARSE if dragging else FULL
         data = self._store.current(state, cells, ("reach_margin",))
+        width = LINE * symbol_size(document.design.geometry)
         nodes = []
-        if "workspace" in seen:
-            boundary = contours.pieces(contours.boundary(data))
-            outline = [thinned(line, OUTLINE) for line in boundary]
+        outline = contours.pieces(contours.boundary(data)) if "workspace" in seen else []
+        if outline:
+            found = np.stack([resampled(piece, OUTLINE) for piece in outline])
             height = self._height + ABOVE["boundary"]
-            nodes.append(curves("/floor/workspace", outline, INK, 2.5, height=height))
-        if "singularity" in seen:
-            circle = contours.pieces(contours.singular_circle(data))
+            nodes.append(flat_curves("/floor/workspace", found, INK, width, height=height))
+        circle = contours.pieces(contours.singular_circle(data)) if "singularity" in seen else []
+        if circle:
+            found = np.concatenate([dashes(segments(piece), DASH)[..., :2] for piece in circle])
             height = self._height + ABOVE["circle"]
-            nodes.append(curves("/floor/singularity", circle, INK, 2.5, height=height, dash=DASH))
+            nodes.append(flat_curves("/floor/singularity", found, INK, width, height=height))
         self._curves.show(nodes)
 
     async def _click(self, event: Any) -> None:
@@ -169,12 +170,6 @@ def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8
     pixels = map_pixels(data.values[0], data.status, scale)
     pixels[pixels[..., 3] > 0, 3] = round(255 * min(max(opacity, 0.0), 1.0))
     return pixels
-
-
-def ring(inner: float, outer: float, height: float) -> tuple[Any, Any]:
-    """Return the vertices and faces of a flat ring about the origin at a height [m]."""
-    found = annulus(inner, outer, height=THICKNESS, sections=40)
-    return found.vertices + np.array([0.0, 0.0, height]), found.faces
 
 
 def where_on_floor(
