@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from paminsa_viz.model import inverse_dynamics
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.singularity import twist_field
 from paminsa_viz.palette import BAD, INK, LEG_COLORS, MUTED, PLATFORM
-from paminsa_viz.plots.formats import Credits, drawing, figure_file
+from paminsa_viz.plots.formats import Credits, arrange, drawing, figure_file
 from paminsa_viz.trajectory import TimeOptimalPlan
 from paminsa_viz.trajectory.crossing import path_coefficients
 from paminsa_viz.trajectory.crossing_measures import UNPLANNED_LAW
@@ -51,7 +52,7 @@ def crossing_svg(design: Design, found: TimeOptimalPlan) -> bytes:
 
 def draw_crossing(design: Design, found: TimeOptimalPlan) -> Figure:
     """Return speeds, residual and torques of M1 to M3 over s, inside `formats.drawing`."""
-    page = Figure(figsize=SIZE, layout="constrained")
+    page = Figure(figsize=SIZE)
     speed, residual, torque = page.subplots(3, 1, sharex=True)
     s = np.linspace(0.0, 1.0, POINTS)
     low, high = (np.sqrt(np.maximum(z(s), 0.0)) for z in (found.slowest, found.fastest))
@@ -86,6 +87,7 @@ def draw_crossing(design: Design, found: TimeOptimalPlan) -> Figure:
         )  # fmt: skip
     torque.set(xlim=(0.0, 1.0))
     torque.set_xlabel("s", size=8)
+    arrange(page, ConstrainedLayoutEngine())
     return page
 
 

@@ -18,6 +18,7 @@ from paminsa_viz.version import MADE_BY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import LayoutEngine
 
 INCH = 25.4  # mm
 POINT = INCH / 72  # mm
@@ -143,6 +144,18 @@ def drawing() -> Iterator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
         yield
+
+
+def arrange(figure: Figure, layout: LayoutEngine) -> None:
+    """Place the axes of a figure by a layout that is not its own, inside `drawing`.
+
+    By its own they would be placed twice to be saved. The solver's last digits depend on where its
+    variables are in memory, and names of SVG elements on those of the axes, which are rounded here.
+    """
+    layout.execute(figure)
+    for area in figure.axes:
+        left, bottom, width, height = area.get_position().bounds
+        area.set_position((round(left, 9), round(bottom, 9), round(width, 9), round(height, 9)))
 
 
 def figure_file(figure: Figure, name: str, dpi: float, credits: Credits) -> bytes:

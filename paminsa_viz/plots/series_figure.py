@@ -24,7 +24,15 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import series_text
-from paminsa_viz.plots.formats import INCH, POINT, Credits, check_size, drawing, figure_file
+from paminsa_viz.plots.formats import (
+    INCH,
+    POINT,
+    Credits,
+    arrange,
+    check_size,
+    drawing,
+    figure_file,
+)
 from paminsa_viz.plots.series import (
     EngineTorques,
     FigureKind,
@@ -249,7 +257,6 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     headings = sum(3.0 + line_height(body) + (count - 1) * line_height(small) for count in lines)
 
     figure, layout = Figure(dpi=dpi), ConstrainedLayoutEngine()
-    figure.set_layout_engine(layout)
     FigureCanvasAgg(figure)
     figure.set_figwidth((round(width / INCH * dpi) + 0.01) / dpi)
     legend = _legend(figure, data, width, body)
@@ -280,8 +287,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
         legend.set_bbox_to_anchor((0.5, (bottom - 1.0) / height))
     figure.text(2.0 / width, (bottom - legend_height - 1.0) / height, "\n".join(below),
                 size=small, linespacing=1.1, color=_CAPTION, va="top")  # fmt: skip
-    layout.execute(figure)
-    figure.set_layout_engine("none")  # when it is drawn, the same would be found again
+    arrange(figure, layout)
     _shrink_notes(figure, small)
     return figure
 
