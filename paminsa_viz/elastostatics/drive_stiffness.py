@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
 from paminsa_viz.elastostatics.modes import Modes, natural_modes
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -27,7 +28,7 @@ from paminsa_viz.model.drive import NO_DRIVES
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.kinematics import LEG_AXES
-from paminsa_viz.model.leg import knee_height, leg_vector, mechanism, pantograph
+from paminsa_viz.model.leg import Mechanism, knee_height, leg_vector, mechanism, pantograph
 from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, wrench_at_center
 from paminsa_viz.model.reach import Limit, check_reach
 from paminsa_viz.model.statics import static_imbalance, static_torques
@@ -131,13 +132,66 @@ def drive_modes(design: Design, pose: ArrayLike) -> Modes:
 
 @np.errstate(all="ignore")
 def geometric_stiffness(design: Design, pose: ArrayLike) -> Array:
-    """Return what weight, payload and load add to the stiffness, (..., 4, 4) [N/m, N, N m/rad].
+    """Return what weight, payload and load add to the stiffness, (..., 6, 6) [N/m, N, N m/rad].
 
-    In (x, y, theta, z), symmetric; see `drive_stiffness`. Not finite where a pose cannot be taken
-    or is singular.
+    For the platform's twist at P, symmetric. In (x, y, theta, z) it is what `drive_stiffness` has
+    of them. In tilt, where bars have to bend, each leg's pantograph keeps its shape and its joint 2
+    gives way in height. Not finite where a pose cannot be taken or is singular.
+
+    With the energy E_k = V_k - tau_k theta_k of leg k, which is a function of the place of its
+    joint 5, the legs add sum G^T (d2E_k) G for the motion G of joints 5, and, as these move on
+    circles, their forces F_k on the platform at p_k the same as a load's (`load_tilt_stiffness`).
     """
-    loaded = drive_stiffness(design, pose)
-    return _symmetric(loaded - drive_stiffness(design, pose, loaded=False))
+    pose = as_vectors(pose, "pose")
+    frame, payload = leg_frame(design.geometry, pose), design.payload
+    force, second = _leg_energy(design, frame)
+    found = np.einsum(
+        "...kai,...kab,...kbj->...ij", frame.joint5_map, second, frame.joint5_map, optimize=True
+    )
+    load = center_wrench(design.load, pose[..., 2])
+    # sum F_k p_k^T: of the vertical forces only what equilibrium of force and tilt says is needed
+    inside = np.zeros((*pose.shape[:-1], 3, 3))
+    inside[..., :2, :2] = np.einsum("...ki,...kj->...ij", force, frame.platform[..., :2])
+    height = design.geometry.platform_joint_height
+    weight = (design.platform.mass + payload.mass) * design.gravity
+    inside[..., :2, 2] = -height * load[..., :2]
+    inside[..., 2, 2] = height * (weight - load[..., 2])
+    inside[..., 2, 0] = load[..., 4] - height * load[..., 0]
+    inside[..., 2, 1] = -load[..., 3] - height * load[..., 1]
+    trace = np.trace(inside, axis1=-2, axis2=-1)[..., None, None]
+    found[..., 3:, 3:] += trace * np.eye(3) - inside
+    found[(..., *np.ix_(POSE_AXES, POSE_AXES))] -= _load_rate(design, pose)
+    # A tilt lowers a center above P, and lifts one below it.
+    found[..., [3, 4], [3, 4]] -= payload.mass * design.gravity * payload.height
+    return _symmetric(found) + load_tilt_stiffness(design.load, pose[..., 2])
+
+
+def _leg_energy(design: Design, frame: LegFrame) -> tuple[Array, Array]:
+    """Return the horizontal forces of the legs on the platform, and d2E_k by joint 5.
+
+    Returns:
+        (..., 3 legs, 2) in base axes [N], and (..., 3 legs, 3, 3) in leg frames [N/m].
+    """
+    m, imbalance = mechanism(design.geometry), static_imbalance(design)
+    zeta = frame.pose[..., 3:] + m.joint_height
+    torque, rho = static_torques(design, frame.pose)[..., :3], frame.rho
+    pull = imbalance * _knee_slopes(m, rho, zeta)[0]
+    turn = torque / rho
+    second = np.zeros((*rho.shape, 3, 3))
+    for row, step in ((0, (1j * STEP, 0.0)), (2, (0.0, 1j * STEP))):
+        slopes = _knee_slopes(m, rho + step[0], zeta + step[1])
+        second[..., row, 0], second[..., row, 2] = imbalance * np.imag(slopes) / STEP
+    # d2 theta_k / du dw = -1/rho^2, d2 rho / dw2 = 1/rho
+    second[..., 0, 1] = second[..., 1, 0] = turn / rho
+    second[..., 1, 1] = pull / rho
+    u, w = frame.axes[..., 0, :2], frame.axes[..., 1, :2]
+    return turn[..., None] * w - pull[..., None] * u, second
+
+
+def _knee_slopes(m: Mechanism, rho: Any, zeta: Any) -> tuple[Any, Any]:
+    """Return the derivatives of a knee's height by X_1 and z_5."""
+    _, by_rho, by_zeta = knee_height(m, pantograph(m, rho * rho, zeta), zeta)
+    return rho * by_rho, by_zeta
 
 
 @np.errstate(all="ignore")

@@ -9,8 +9,8 @@ share are the platform's twist at P and the carriage's height Z. What is inside 
   under their own inertia as well. `first_frequencies` does this.
 * as its own coordinates: `whole_modes` solves all of them together.
 
-Weight and load soften or stiffen (`geometric_stiffness`) as they do with rigid bars, in the
-platform's x, y, theta and z; payload and load off its center do so in its tilt as well.
+Weight and load soften or stiffen (`geometric_stiffness`): in the platform's x, y, theta and z as
+they do with rigid bars, and in its tilt, where it hangs from the joints 5.
 """
 
 from __future__ import annotations
@@ -20,11 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.elastostatics.drive_stiffness import (
-    POSE_AXES,
-    geometric_stiffness,
-    load_tilt_stiffness,
-)
+from paminsa_viz.elastostatics.drive_stiffness import geometric_stiffness
 from paminsa_viz.elastostatics.leg_frame import leg_frame
 from paminsa_viz.elastostatics.leg_matrices import LegMatrices, leg_matrices
 from paminsa_viz.elastostatics.leg_model import RETAINED
@@ -61,11 +57,7 @@ def platform_mass(design: Design) -> Array:
 def _join(design: Design, pose: Array, stiffness: Array, mass: Array, loaded: bool = True) -> None:
     """Add what is not in the legs to matrices of the shared coordinates (..., 7, 7)."""
     if loaded:
-        stiffness[(..., *np.ix_(POSE_AXES, POSE_AXES))] += geometric_stiffness(design, pose)
-        # A tilt lowers a center above P, and lifts one below it.
-        payload = design.payload
-        stiffness[..., [3, 4], [3, 4]] -= payload.mass * design.gravity * payload.height
-        stiffness[..., :6, :6] += load_tilt_stiffness(design.load, pose[..., 2])
+        stiffness[..., :6, :6] += geometric_stiffness(design, pose)
     stiffness[..., 6, 6] += design.elastic.drive_linear
     mass[..., :6, :6] += platform_mass(design)
 
