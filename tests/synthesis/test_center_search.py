@@ -61,6 +61,7 @@ def test_it_starts_from_the_nodes_of_a_volume_and_those_around_it(
         made = CenterSearch(design, needed, REGION, (True,) * 3, (True,) * 3, both)
         side = 1.0 if knee is KneeBranch.LOWER else -1.0
         assert made._side == (None if both else side)
+        assert made._end == pytest.approx(0.0 if knee is KneeBranch.LOWER else -0.0275)
         (given, more) = asked.pop()
         assert given == (design, needed)
         assert more == {"resolution": placement.RESOLUTION, "both_sides": both}

@@ -22,9 +22,12 @@ def region(shape: WorkspaceShape) -> PoseRegion:
     return PoseRegion(shape, CENTER, half, THETA)
 
 
-def search(shape: WorkspaceShape, growth: Growth, side: float | None, broken: Any) -> Any:
+def search(
+    shape: WorkspaceShape, growth: Growth, side: float | None, broken: Any, end: float = 0.0
+) -> Any:
     made: Any = CenterSearch.__new__(CenterSearch)
-    made._region, made._grows, made._side = region(shape), growth.axes, side
+    made._region, made._grows = region(shape), growth.axes
+    made._side, made._end = side, end
     made._broken = np.array(broken, float).reshape(-1, 3)
     return made
 
@@ -56,7 +59,7 @@ def test_the_largest_region_about_a_center_holds_no_broken_position(
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_region_stays_on_the_side_of_home(side: float) -> None:
-    """It may end in the plane of the guides, and goes no farther."""
+    """It may end where that side does, and goes no farther."""
     box, half = WorkspaceShape.BOX, HALF[2]
     heights = -side * np.array([half, 2.0 * half, 0.5 * half, -0.1])
     centers = np.array([[0.0, 0.0, z] for z in heights])
@@ -64,6 +67,8 @@ def test_a_region_stays_on_the_side_of_home(side: float) -> None:
     assert grown == pytest.approx([1.0, 2.0, 0.5, 0.0])
     kept = search(box, Growth.HORIZONTAL, side, [[0.05, 0.0, z] for z in heights])
     assert kept._scales(centers) == pytest.approx([0.5, 0.5, 0.0, 0.0])
+    moved = search(box, Growth.ALL, side, [], 0.7)._scales(np.add(centers, [0.0, 0.0, 0.7]))
+    assert moved == pytest.approx([1.0, 2.0, 0.5, 0.0])
     assert np.isinf(search(box, Growth.ALL, None, [])._scales(centers)).all()
 
 

@@ -305,10 +305,22 @@ def test_cells_of_what_does_not_depend_on_the_height_grow_by_its_time() -> None:
         )
 
 
-def test_platform_joints_far_above_the_platform_leave_a_grid() -> None:
-    high = replace(APPENDIX_4.geometry, platform_joint_height=3.0, knee=KneeBranch.UPPER)
-    volume = solve_volume(replace(APPENDIX_4, geometry=high), needs(), resolution=COARSE)
-    assert volume.empty
+def test_home_is_on_its_side_however_far_joints_are_above_the_platform() -> None:
+    """With the upper knee it is what the joints 5 reach above the guides, wherever P is."""
+    upper = replace(APPENDIX_4.geometry, knee=KneeBranch.UPPER)
+    volumes = [
+        solve_volume(
+            replace(APPENDIX_4, geometry=replace(upper, platform_joint_height=height)),
+            needs("condition <= 10"), resolution=COARSE,
+        )
+        for height in (0.0, 0.6, 3.0)
+    ]  # fmt: skip
+    for height, volume in zip((0.0, 0.6, 3.0), volumes, strict=True):
+        assert volume.home_inside
+        np.testing.assert_allclose(volume.z + height, volumes[0].z, atol=1e-12)
+        np.testing.assert_array_equal(volume.inside, volumes[0].inside)
+    hung = replace(APPENDIX_4.geometry, platform_joint_height=3.0)
+    assert solve_volume(replace(APPENDIX_4, geometry=hung), needs(), resolution=COARSE).home_inside
 
 
 @pytest.mark.slow

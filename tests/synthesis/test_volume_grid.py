@@ -43,7 +43,7 @@ def spanned(g: Geometry, nearest: float, both_sides: bool) -> tuple[float, float
     if not both_sides and g.knee is KneeBranch.LOWER:
         high = min(high, 0.0)
     elif not both_sides:
-        low = max(low, 0.0)
+        low = max(low, -g.platform_joint_height)
     return radius, low, max(high, low + 0.1 * bars)
 
 
@@ -99,6 +99,6 @@ def test_costly_quantities_get_fewer_nodes_and_then_fewer_headings(
         assert seen[0][0] == headings
         assert {row[1] for row in seen} == {round((high - low) / (size / 10_000) ** (1 / 3))}
     seen.clear()  # of a body so flat two heights count
-    flat = replace(APPENDIX_4, geometry=ROBOTS["joints above all"])
-    axes_of(flat, asked, Resolution(64, 3, 2.0), False)
+    flat = replace(APPENDIX_4, geometry=replace(G, base_radius=5.0, platform_radius=5.0))
+    axes_of(flat, needs("condition <= 9", theta=(0.4, 0.5)), Resolution(64, 3, 2.0), False)
     assert seen == [(3, 2)]

@@ -138,7 +138,9 @@ def test_heights_on_homes_side_of_the_guides(knee: KneeBranch) -> None:
     g = replace(GEOMETRY, knee=knee)
     z = np.array([-0.5, 0.0, 0.25])
     below = knee is KneeBranch.LOWER
-    assert home_side(g, z, False).tolist() == ([0.5, 0.0, -0.25] if below else [-0.5, 0.0, 0.25])
+    # with the upper knee until the joints 5, 27.5 mm above P, have passed the guides
+    expected = [0.5, 0.0, -0.25] if below else [-0.4725, 0.0275, 0.2775]
+    assert home_side(g, z, False) == pytest.approx(expected, abs=1e-15)
     assert np.isinf(home_side(g, z, True)).all()
 
 

@@ -28,7 +28,7 @@ from paminsa_viz.synthesis.proof.regions import (
     from_unit,
     least_free,
 )
-from paminsa_viz.synthesis.volume.grid import Resolution
+from paminsa_viz.synthesis.volume.grid import Resolution, side_end
 from paminsa_viz.synthesis.volume.solve import solve_volume
 
 RESOLUTION = Resolution(60_000, 9, 2.0)
@@ -94,7 +94,7 @@ class CenterSearch:
         self._free = np.array(free)
         self._groups = groups(design, requirements)
         self._rng = np.random.default_rng(SEED)
-        self._side = None
+        self._side, self._end = None, side_end(design.geometry)
         if not both_sides:
             self._side = 1.0 if design.geometry.knee is KneeBranch.LOWER else -1.0
         volume = solve_volume(design, requirements, resolution=RESOLUTION, both_sides=both_sides)
@@ -174,7 +174,7 @@ class CenterSearch:
             scales.append(np.sqrt(square.min(axis=1, initial=np.inf)))
         scale = np.concatenate(scales)
         if self._side is not None:
-            room = -self._side * centers[:, 2]
+            room = self._side * (self._end - centers[:, 2])
             height = self._region.half[2]
             if self._grows[2]:
                 scale = np.minimum(scale, np.maximum(room, 0.0) / height)

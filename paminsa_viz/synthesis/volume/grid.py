@@ -70,8 +70,9 @@ def axes_of(
         radius, height = max(radius, 0.1 * g.base_radius), max(height, 0.1 * bars)
     low, high = -height - g.platform_joint_height, height - g.platform_joint_height
     if not both_sides:
-        low, high = (low, min(high, 0.0)) if g.knee is KneeBranch.LOWER else (max(low, 0.0), high)
-    high = max(high, low + 0.1 * bars)  # with the platform's joints far above or below it
+        end = side_end(g)
+        low, high = (low, min(high, end)) if g.knee is KneeBranch.LOWER else (max(low, end), high)
+    high = max(high, low + 0.1 * bars)
     size = (2.0 * radius) ** 2 * (high - low)
     step = float(np.cbrt(size / resolution.nodes))
     heights = max(2, round((high - low) / step))
@@ -92,11 +93,21 @@ def axes_of(
     return np.asarray(step * np.arange(-half, half + 1), np.float64), z, headings
 
 
+def side_end(geometry: Geometry) -> float:
+    """Return the height of P at which all of the platform has left home's side of the guides [m].
+
+    Hanging, P is the last of it below them; with the upper knee the joints 5 are the last above
+    them, so that home is on its side however far they are above P.
+    """
+    return 0.0 if geometry.knee is KneeBranch.LOWER else -geometry.platform_joint_height
+
+
 def home_side(geometry: Geometry, z: Array, both_sides: bool) -> Array:
-    """Return how far heights are on home's side of the guides [m]."""
+    """Return how far heights of P are from the end of home's side, positive on it [m]."""
     if both_sides:
         return np.full(z.shape, np.inf)
-    return -z if geometry.knee is KneeBranch.LOWER else z
+    beyond = z - side_end(geometry)
+    return -beyond if geometry.knee is KneeBranch.LOWER else beyond
 
 
 def joined_to_home(
