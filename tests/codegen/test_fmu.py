@@ -39,6 +39,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
     static_torques,
 )
+from paminsa_viz.model.reach import Limit
 from tests.codegen.printed import SANITIZERS, STRICT, compilers, sanitizes
 from tests.codegen.test_fmu_description import ACTUATORS, DRIVEN, KINDS, POSE, RATES, TORQUES
 from tests.codegen.test_kit import loaded_robot
@@ -271,6 +272,47 @@ def test_inverse_block_is_inverse_dynamics(tmp_path: Path) -> None:
         put(slave, x=3.0)
         assert np.isnan(get(slave, TORQUES)).all()
         assert slave.getInteger([0]) == [2]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step_max", [1e-4, 1e-3, 1e-2])
+def test_a_type_2_singularity_is_passed_and_a_leg_axis_is_not(
+    tmp_path: Path, step_max: float
+) -> None:
+    """On the singular circle at theta = 0 a leg axis is met where P moves straight toward it."""
+    path = written(tmp_path, APPENDIX_4, "plant")
+    pose, rates = np.array([0.20, 0.02, 0.1, -0.55]), np.array([1.0, 0.1, 0.0, 0.0])
+    torque = static_torques(APPENDIX_4, pose)
+
+    def starts(pose: Any, rates: Any) -> dict[str, float]:
+        named = zip((*POSE, *RATES), (*pose, *rates), strict=True)
+        return {f"{name}_start": float(value) for name, value in named}
+
+    def growth(t: float, state: np.ndarray) -> np.ndarray:
+        found = forward_dynamics(APPENDIX_4, state[:4], state[4:], torque)
+        return np.concatenate([state[4:], found])
+
+    solved = solve_ivp(
+        growth, (0.0, 0.1), [*pose, *rates], method="DOP853", rtol=1e-10, atol=1e-12
+    ).y[:, -1]
+    first, last = platform_determinants([pose, solved[:4]])
+    assert first * last < 0
+    forces = dict(zip(TORQUES, torque, strict=True))
+    with running(
+        path, tmp_path / "crosses", **starts(pose, rates), **forces, step_max=step_max
+    ) as slave:
+        slave.doStep(0.0, 0.1)
+        assert get(slave, (*POSE, *RATES)) == pytest.approx(solved, abs=1e2 * step_max**4 + 1e-9)
+    axis = starts([0.0, 0.2, 0.0, -0.55], [0.0, 2.0, 0.0, 0.0])
+    with running(path, tmp_path / "axis", **axis, step_max=step_max) as slave:
+        with pytest.raises(FMICallException):
+            slave.doStep(0.0, 0.1)
+        assert slave.getInteger([0]) == [Limit.AXIS]
+
+
+def platform_determinants(poses: Any) -> np.ndarray:
+    """Return the determinants of the inverse Jacobian, which change their sign at type 2."""
+    return np.linalg.det(inverse_jacobian(APPENDIX_4.geometry, poses))
 
 
 @pytest.mark.slow

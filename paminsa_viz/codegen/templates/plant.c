@@ -20,7 +20,8 @@ typedef struct {
 
 static const char *const messages[] = {
     "", "a number is not finite", "a leg is stretched", "a leg is folded",
-    "a leg has left its guide", "a leg is on its axis", "the pose is singular", "no assembly"
+    "a leg has left its guide", "a leg is on its axis or passes it", "the pose is singular",
+    "no assembly"
 };
 
 static const char *model_start(Model *model)
@@ -44,6 +45,24 @@ static void take_payload(Model *model)
         &model->design, model->value[PAYLOAD_MASS], model->value[PAYLOAD_INERTIA]);
 }
 
+/* Say whether a leg turns so far from one state to another that it has passed its axis between.
+ *
+ * Joint 5 comes out on the other side of the axis there, and the leg would jump by half a turn.
+ */
+static PaminsaStatus passed_axis(const Model *model, const double from[8], const double to[8])
+{
+    static const double most = 1.0; /* [rad] */
+    double before[4], after[4];
+
+    PaminsaStatus status = paminsa_inverse_kinematics(&model->design, from, before).status;
+    if (status == PAMINSA_STATUS_OK)
+        status = paminsa_inverse_kinematics(&model->design, to, after).status;
+    for (int i = 0; i < 3 && status == PAMINSA_STATUS_OK; i++)
+        if (!(fabs(paminsa_wrap_angle(after[i] - before[i])) < most))
+            status = PAMINSA_STATUS_AXIS;
+    return status;
+}
+
 /* Move a state on by a step of Runge and Kutta. */
 static PaminsaStatus advance(const Model *model, double h, double state[8])
 {
@@ -53,15 +72,20 @@ static PaminsaStatus advance(const Model *model, double h, double state[8])
     for (int stage = 0; stage < 4; stage++) {
         for (int i = 0; i < 8; i++)
             at[i] = state[i] + shares[stage] * h * rates[i];
-        const PaminsaStatus status = rates_of(model, at, rates);
+        PaminsaStatus status = passed_axis(model, state, at);
+        if (status == PAMINSA_STATUS_OK)
+            status = rates_of(model, at, rates);
         if (status != PAMINSA_STATUS_OK)
             return status;
         for (int i = 0; i < 8; i++)
             sum[i] += weights[stage] * rates[i];
     }
     for (int i = 0; i < 8; i++)
-        state[i] += h / 6.0 * sum[i];
-    return PAMINSA_STATUS_OK;
+        at[i] = state[i] + h / 6.0 * sum[i];
+    const PaminsaStatus status = passed_axis(model, state, at);
+    if (status == PAMINSA_STATUS_OK)
+        memcpy(state, at, sizeof at);
+    return status;
 }
 
 static const char *model_step(Model *model, double size)
