@@ -50,12 +50,15 @@ class TableKind:
             be there if any of them is.
         reads_back: Whether columns of results are left out instead of refused, so that a written
             table can be read again.
+        whole: What the table as a whole is and is for, where another kind is expected; empty if
+            it is not told apart.
     """
 
     name: str
     needed: tuple[str, ...]
     groups: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]
     reads_back: bool
+    whole: str = ""
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -72,6 +75,7 @@ POSES = TableKind(
         ("load", LOAD, ()),
     ),
     reads_back=False,
+    whole="a list of poses, to evaluate",
 )
 TRAJECTORY = TableKind(
     "a trajectory",
@@ -82,6 +86,7 @@ TRAJECTORY = TableKind(
         ("load", LOAD, ()),
     ),
     reads_back=True,
+    whole="a motion",
 )
 PUBLISHED = TableKind(
     "a table of torques over time", (TIME,), (("torque", TORQUES, ()),), reads_back=True
@@ -96,11 +101,18 @@ LOG = TableKind(
     (TIME, *ACTUATORS),
     (("torque", MEASURED, MEASURED), ("current", CURRENTS, CURRENTS)),
     reads_back=True,
+    whole="a log, to identify a robot from",
 )
 TILT = ("tiltx_rad", "tilty_rad")
 MEASUREMENTS = TableKind(
-    "a measured pose", (*POSE, *ACTUATORS), (("tilt", TILT, TILT),), reads_back=True
+    "a measured pose",
+    (*POSE, *ACTUATORS),
+    (("tilt", TILT, TILT),),
+    reads_back=True,
+    whole="measured poses, to calibrate a robot with",
 )
+_TOLD_APART = (POSES, TRAJECTORY, LOG, MEASUREMENTS)
+"""Kinds of tables that one could take for each other."""
 
 
 @dataclass(frozen=True)
@@ -190,8 +202,29 @@ def _hint(name: str, header: tuple[str, ...], kind: TableKind) -> str:
     """Return advice for an unknown column."""
     if read_number(name) is not None:
         return f"the first row has to name the columns: {','.join(kind.needed)}"
+    if other := _other_kind(name, header, kind):
+        needed = ",".join(kind.needed)
+        return f"the table looks like {other.whole}; {kind.name} needs {needed}"
     near = [known for known in kind.columns if known.lower() == name.lower()]
     if name in RESULTS and not (near and near[0] not in header):
         return "it is a result, which is computed and not read; remove it"
     near = near or difflib.get_close_matches(printable(name[:50]), kind.columns, 1, 0.6)
     return f"did you mean {near[0]}?" if near else f"there are {','.join(kind.columns)}"
+
+
+def _other_kind(name: str, header: tuple[str, ...], kind: TableKind) -> TableKind | None:
+    """Return the other kind of table that a header with an unknown column is one of, if any."""
+    if name in RESULTS:
+        return None
+
+    def known(text: str, other: TableKind) -> str:
+        column = _column(0, text, other)
+        return column.name if isinstance(column, Column) else ""
+
+    fits: list[tuple[int, TableKind]] = []
+    for other in _TOLD_APART:
+        if other is not kind and known(name, other):
+            there = {known(text, other) for text in header} - {""}
+            if there.issuperset(other.needed):
+                fits.append((len(there), other))
+    return max(fits, key=lambda fit: fit[0])[1] if fits else None

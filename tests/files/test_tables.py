@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
+from paminsa_viz.files.logs import parse_log
 from paminsa_viz.files.table_reader import (
     LONGEST_ROW,
     TableBlock,
@@ -323,6 +324,27 @@ def test_a_hint_is_one_name_that_is_near() -> None:
     assert "there are t_s,x_m" in far
     for name, hint in (("vxx_mab", "did you mean vx_m_s?"), ("vxx_mabc", "there are x_m")):
         assert hint in str(check_refused(read, f"{HEAD},{name}\n"))
+
+
+def test_a_table_of_another_kind_is_named() -> None:
+    """What it is for, in any units; a misspelled column makes no other kind of it."""
+    angles, rest = (
+        "theta1_rad,theta2_rad,theta3_rad,Z_m",
+        "torque1_Nm,torque2_Nm,torque3_Nm,force4_N",
+    )
+    log, measured = f"t_s,{angles},{rest}\n", f"{HEAD},{angles},tiltx_rad,tilty_rad\n"
+    in_degrees = log.replace("rad", "deg").replace("Z_m", "Z [mm]")
+    for table in (log, in_degrees):
+        told = str(check_refused(parse, table))
+        assert "looks like a log, to identify a robot from; a trajectory needs t_s,x_m" in told
+        assert "looks like a log" in str(check_refused(read, table))
+    assert "looks like measured poses, to calib" in str(check_refused(parse, f"t_s,{measured}"))
+    rates = ",".join((*VELOCITY, *ACCELERATION))
+    for motion in (TIMED, f"{TIMED},{rates},{angles},tau1_Nm"):  # as `trajectory` writes it
+        told = str(check_refused(parse_log, io.StringIO(f"{motion}\n", newline=""), "in.csv"))
+        assert "column x_m: there is no such column; the table looks like a motion; a log" in told
+    assert "looks like" not in str(check_refused(parse, f"{TIMED},torque_Nm\n"))
+    assert "looks like" not in str(check_refused(read, f"{HEAD},{angles}\n"))  # of `evaluate`
 
 
 def test_waypoints_are_at_rest_at_their_ends_only_if_it_is_said() -> None:
