@@ -113,8 +113,12 @@ def power_of_ten(exponent: int) -> str:
 
 
 def counted(count: int, noun: str, plural: str = "") -> str:
-    """Return a count with its noun, ``1 row`` or ``3 rows``; a plural without s has to be given."""
-    return f"{count} {noun if count == 1 else plural or f'{noun}s'}"
+    """Return a count with its noun, ``1 row`` or ``3,000 rows``.
+
+    Counts of things have commas between thousands, measured numbers have none. A plural without s
+    has to be given.
+    """
+    return f"{count:,} {noun if count == 1 else plural or f'{noun}s'}"
 
 
 def percent_change(before: float, after: float) -> str:

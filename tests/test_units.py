@@ -27,6 +27,12 @@ from paminsa_viz.units import (
 )
 
 
+def test_counts_have_commas_and_measured_numbers_have_none() -> None:
+    assert counted(47889, "pose") == "47,889 poses"
+    assert (counted(999, "row"), counted(1000, "row")) == ("999 rows", "1,000 rows")
+    assert number(47889.0, 5) == "47889"
+
+
 def test_one_is_no_plural() -> None:
     assert [counted(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
     assert [counted(n, "body", "bodies") for n in (1, 2)] == ["1 body", "2 bodies"]

@@ -136,7 +136,7 @@ def read_catalog(content: str | bytes, source: str) -> Catalog:
     if not lines:
         raise CatalogError(source, "has no rows; its first line names the columns")
     if len(lines) > MOST_ROWS:
-        raise CatalogError(source, f"has more than {MOST_ROWS} rows")
+        raise CatalogError(source, f"has more than {MOST_ROWS:,} rows")
     try:
         table = [next(csv.reader(io.StringIO(line), strict=True)) for _, line in lines]
     except csv.Error as error:

@@ -50,8 +50,8 @@ def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
         values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
         wide.append(_row(row.name, row.unit, values))
     where = (
-        f"{errors.poses} poses within {format_value(region.radius, 'm')} of the axis at θ "
-        f"{', '.join(format_value(angle, 'rad') for angle in region.theta)} and z "
+        f"{counted(errors.poses, 'pose')} within {format_value(region.radius, 'm')} of the axis "
+        f"at θ {', '.join(format_value(angle, 'rad') for angle in region.theta)} and z "
         f"{', '.join(format_value(z, 'm') for z in region.z)}"
     )
     head = ("Errors from the drives", "Median", "95 %", "Largest", "Linear: median", "RMS: median")
@@ -61,7 +61,7 @@ def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
         Table(head, tuple(wide), caption),
     ]  # fmt: skip
     for bound, count in errors.unbounded.items():
-        text = f"No bound at {count} of the {errors.poses} poses: {bound.reason()}."
+        text = f"No bound at {count:,} of the {counted(errors.poses, 'pose')}: {bound.reason()}."
         blocks.append(Note(text, "warn"))
     return blocks
 
@@ -214,7 +214,7 @@ def robots_blocks(robots: MonteCarlo) -> list[Table | Note]:
         Note("Errors that this share of the robots does not exceed.", "muted"),
     ]
     if lost:
-        blocks.append(Note(f"{lost} of {count} robots cannot be assembled.", "bad"))
+        blocks.append(Note(f"{lost:,} of {counted(count, 'robot')} cannot be assembled.", "bad"))
     return blocks
 
 

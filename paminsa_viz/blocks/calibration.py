@@ -32,7 +32,8 @@ def calibration_blocks(found: Calibration, most: int | None = MOST_COMBINATIONS)
     """
     held = found.after_held.poses
     back = f", {held} held back" if held else ""
-    opening = f"{found.after.poses} poses of {len(found.after.rms)} coordinates fitted{back}."
+    poses = counted(found.after.poses, "pose")
+    opening = f"{poses} of {len(found.after.rms)} coordinates fitted{back}."
     return [
         Note(opening), verdict(found), errors_table(found), Note(_rank(found)),
         combinations_table(found, most), *deviation_blocks(found),

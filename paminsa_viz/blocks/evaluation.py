@@ -11,6 +11,6 @@ def evaluation_text(counts: Counter[str]) -> str:
     """Return how many rows a table that was written has, by the words of `reach.status_words`."""
     rows = counts.total()
     text = counted(rows, "row")
-    if lost := [f"{count} {word}" for word, count in counts.most_common() if word != "ok"]:
-        text += f", {rows - counts['ok']} without numbers ({', '.join(lost)})"
+    if lost := [f"{count:,} {word}" for word, count in counts.most_common() if word != "ok"]:
+        text += f", {rows - counts['ok']:,} without numbers ({', '.join(lost)})"
     return text

@@ -14,11 +14,11 @@ from paminsa_viz.units import NONE, counted, fixed, format_value, number
 
 def excitation_blocks(found: Excitation) -> list[Block]:
     """Return how the motion was found, its information, and its limits."""
-    settings = found.settings
+    settings, evaluations = found.settings, counted(found.evaluations, "evaluation")
     return [
         Note(
             f"{counted(settings.periods, 'period')} of {number(settings.period)} s, "
-            f"{settings.harmonics} harmonics; {counted(found.evaluations, 'evaluation')} in "
+            f"{counted(settings.harmonics, 'harmonic')}; {evaluations} in "
             f"{number(found.seconds, 3)} s."
         ),
         Note(information_text(found)),
@@ -29,9 +29,10 @@ def excitation_blocks(found: Excitation) -> list[Block]:
 def information_text(found: Excitation) -> str:
     """Return the information of a motion beside that of the best random one."""
     return (
-        f"log det of the information of {found.parameters} parameters {fixed(found.log_det, 1)}, "
-        f"of the best of {found.random} random motions {fixed(found.random_log_det, 1)}: intervals "
-        f"narrower by a factor of {number(found.narrowing, 3)} on average."
+        f"log det of the information of {counted(found.parameters, 'parameter')} "
+        f"{fixed(found.log_det, 1)}, of the best of {found.random} random motions "
+        f"{fixed(found.random_log_det, 1)}: intervals narrower "
+        f"by a factor of {number(found.narrowing, 3)} on average."
     )
 
 

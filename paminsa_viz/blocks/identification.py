@@ -14,7 +14,7 @@ from paminsa_viz.identification.findings import Findings
 from paminsa_viz.identification.results import Estimate, Identity
 from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
-from paminsa_viz.units import display_unit, format_value, interval_text, number
+from paminsa_viz.units import counted, display_unit, format_value, interval_text, number
 
 TRIED = 5
 """Causes that are listed with those that are named."""
@@ -26,8 +26,8 @@ def identification_blocks(findings: Findings) -> list[Block]:
     log = one.log
     blocks: list[Block] = [
         Note(
-            f"Log “{log.name}”: {len(log.t)} rows at {log.rate:.6g} Hz, {log.duration:.4g} s. "
-            f"{'; '.join(one.notes)}."
+            f"Log “{log.name}”: {counted(len(log.t), 'row')} at {log.rate:.6g} Hz, "
+            f"{log.duration:.4g} s. {'; '.join(one.notes)}."
         ),
         _verdict(findings),
     ]

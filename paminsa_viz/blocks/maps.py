@@ -18,7 +18,7 @@ from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.model.singular_limit import counting
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.quantities import TORQUES
-from paminsa_viz.units import format_value, number, si_unit
+from paminsa_viz.units import counted, format_value, number, si_unit
 
 
 def maps_data(
@@ -114,6 +114,7 @@ def maps_blocks(data: MapData, facts: dict[str, Any]) -> list[Block]:
         (name, *(number(value * factor) for value in found.values()))
         for name, found in facts["maps"].items()
     )
+    counting = counted(facts["counting_cells"], "cell that counts", "cells that count")
     circle = (
         "none"
         if data.singular_radius is None
@@ -123,11 +124,11 @@ def maps_blocks(data: MapData, facts: dict[str, Any]) -> list[Block]:
         Note(f'design "{data.design.name}"{minus}, {data.design.geometry.knee.label}'),
         Note(
             f"θ = {format_value(data.theta, 'rad', 6)}, z = {format_value(data.z, 'm', 6)}, "
-            f"{data.x.size} x {data.y.size} cells"
+            f"{data.x.size} × {data.y.size} cells"
         ),
         Table(head, rows(*cells), literal=True),
         Note(
-            f"over the {facts['counting_cells']} cells that count: not too close to a singularity "
+            f"over the {counting}: not too close to a singularity "
             f"(condition number at most {facts['max_condition']:g}, 10 mm to a stretched or folded "
             "leg)"
         ),
@@ -135,7 +136,7 @@ def maps_blocks(data: MapData, facts: dict[str, Any]) -> list[Block]:
         *(
             Note(
                 f"{name} - published: {number(off['largest_difference'])} at most, "
-                f"{number(off['rms_difference'])} RMS over {off['positions']} positions"
+                f"{number(off['rms_difference'])} RMS over {counted(off['positions'], 'position')}"
             )
             for name, off in facts.get("published", {}).items()
         ),

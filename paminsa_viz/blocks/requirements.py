@@ -28,7 +28,15 @@ from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from paminsa_viz.synthesis.volume.surface import volume_surface
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
-from paminsa_viz.units import NONE, DisplayUnit, format_pose, format_value, interval_text, number
+from paminsa_viz.units import (
+    NONE,
+    DisplayUnit,
+    counted,
+    format_pose,
+    format_value,
+    interval_text,
+    number,
+)
 
 TIME_LIMIT = 10.0
 """How long the proof of the largest workspace may take [s]."""
@@ -154,8 +162,8 @@ def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
 
 def _volume(volume: Volume, text: Text) -> list[Block]:
     nodes = (
-        f"On {volume.cause.size:,} nodes {format_value(volume.cell, 'm', 3)} apart and "
-        f"{volume.headings} headings."
+        f"On {counted(volume.cause.size, 'node')} {format_value(volume.cell, 'm', 3)} apart and "
+        f"{counted(volume.headings, 'heading')}."
     )
     if volume.empty:
         blocks: list[Block] = [
@@ -413,7 +421,7 @@ def largest_blocks(
 
 
 def _effort(found: Proof | LargestWorkspace) -> str:
-    return f"{found.boxes:,} box{'es' * (found.boxes != 1)}, {found.seconds:.1f} s"
+    return f"{counted(found.boxes, 'box', 'boxes')}, {found.seconds:.1f} s"
 
 
 def _place(requirements: Requirements) -> str:

@@ -99,8 +99,8 @@ def effort_note(result: SynthesisResult) -> Note:
     if result.feasible:
         text += (
             " and has no proof that there is none better; requirements were verified on "
-            f"{result.poses} poses, θ {low} to {high} from the heading where joints 5 are toward "
-            "their leg axes"
+            f"{counted(result.poses, 'pose')}, θ {low} to {high} from the heading where "
+            "joints 5 are toward their leg axes"
         )
     return Note(f"{text}.", "muted")
 
@@ -199,7 +199,7 @@ def yield_blocks(built: BuildYield) -> list[Table | Note]:
     """Return how many robots built within tolerances meet everything, and what others miss."""
     part = built.fraction
     low, high, confidence = (100 * share for share in (part.low, part.high, part.confidence))
-    of = f"of {part.samples} robots"
+    of = f"of {counted(part.samples, 'robot')}"
     meeting = counted(part.passed, f"{of} meets", f"{of} meet")
     text = (
         f"Built within tolerances: {meeting} all requirements, "

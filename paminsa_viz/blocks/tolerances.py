@@ -7,7 +7,7 @@ from paminsa_viz.blocks.balance import bound_name
 from paminsa_viz.blocks.kinds import Note, Row, Table, heading, rows
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.units import fixed
+from paminsa_viz.units import counted, fixed
 
 LEADING = 3
 """Masses that are named, by their share in the variance."""
@@ -42,7 +42,7 @@ def length_tolerance_blocks(found: LengthTolerance) -> list[Table | Note]:
     """Return the spread of the largest torque, and how many robots cannot take all poses."""
     sizes = (
         ("Nominal lengths", found.nominal),
-        (f"Half of {found.peaks.size} robots below", found.quantile(0.5)),
+        (f"Half of {counted(found.peaks.size, 'robot')} below", found.quantile(0.5)),
         ("95 % below", found.quantile(0.95)),
         ("Largest of all", float(found.peaks.max())),
     )

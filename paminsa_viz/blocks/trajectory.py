@@ -129,7 +129,7 @@ def trajectory_facts(analysis: TrajectoryAnalysis) -> list[Fact]:
 
 def samples_text(trajectory: Trajectory) -> str:
     """Return how long a motion is, and of how many samples."""
-    return f"{trajectory.duration:.4g} s, {trajectory.size} samples"
+    return f"{trajectory.duration:.4g} s, {counted(trajectory.size, 'sample')}"
 
 
 def margin_text(check: PathCheck) -> str:

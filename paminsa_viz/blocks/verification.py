@@ -38,7 +38,7 @@ def verification_blocks(found: Verification) -> list[Block]:
         "The engines get the bodies, joints and loop closures, and the joints' positions, which "
         "the closures confirm; they know none of the formulas. "
         f"Compared are {counted(len(found.poses), 'random pose')} at rest and "
-        f"{found.trajectory.size} states of the trajectory, without joint friction."
+        f"{counted(found.trajectory.size, 'state')} of the trajectory, without joint friction."
     )
     blocks: list[Block] = [verdict, method]
     head = ("", "Largest torque", "Largest difference", "RMS", "Relative, largest", "Relative, RMS")

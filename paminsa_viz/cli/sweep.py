@@ -35,6 +35,7 @@ from paminsa_viz.studies import (
 )
 from paminsa_viz.studies.running import WorkersLost
 from paminsa_viz.studies.variations import check_path
+from paminsa_viz.units import counted
 
 DESCRIPTION = """\
 Measure many designs over the workspace: torques, masses, distances to every limit, one row each.
@@ -118,7 +119,8 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
             show(summary)
 
         def stopped() -> str:
-            return f"stopped after {latest.rows} of {study.size} rows; the same command resumes it"
+            rows = f"{latest.rows:,} of {counted(study.size, 'row')}"
+            return f"stopped after {rows}; the same command resumes it"
 
         with on_interrupt(stopped), _progress_bar(study.size) as show:
             try:

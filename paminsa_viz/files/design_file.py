@@ -182,7 +182,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     """Return a text as TOML; refuses what is none with its line, see `read_design`."""
     for number, line in enumerate(text.split("\n"), 1):
         if len(line) > LONGEST_LINE:
-            problem = f"the line is too long (at most {LONGEST_LINE} characters)"
+            problem = f"the line is too long (at most {LONGEST_LINE:,} characters)"
             raise DesignFileError(source, problem, line=number)
     try:
         return parse_plain_toml(text)

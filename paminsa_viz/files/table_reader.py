@@ -124,7 +124,7 @@ class TableReader:
             if cells and blank_row:
                 raise self._refused("the row is empty, but others follow it", blank_row)
             if blank_row and self._row - blank_row > MOST_BLANK_ROWS:
-                raise self._refused(f"over {MOST_BLANK_ROWS} blank rows end the table", blank_row)
+                raise self._refused(f"over {MOST_BLANK_ROWS:,} blank rows end the table", blank_row)
             if cells:
                 yield TableBlock(first_row, cells, self._values(cells, first_row))
             if first_row + len(cells) < self._row:
@@ -155,7 +155,7 @@ class TableReader:
         end = None if timeout is None else time.monotonic() + timeout
         while line := lines.readline(LONGEST_ROW + 1):
             if len(line) > LONGEST_ROW:
-                raise csv.Error(f"the row is longer than {LONGEST_ROW} characters")
+                raise csv.Error(f"the row is longer than {LONGEST_ROW:,} characters")
             if end is not None and time.monotonic() > end:
                 raise self._refused(f"takes longer than {timeout:g} s to read; thin it out")
             yield line

@@ -40,6 +40,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.units import counted
 
 OTHER_CUT_OFFS = (1 / 1.5, 1.5)
 """Cut-offs that results are tried with, over the cut-off."""
@@ -117,8 +118,8 @@ def identify(
     notes = list(log.notes)
     notes.append(
         f"Filtered forward and backward (Butterworth, half at {settings.cut_off:g} Hz), "
-        f"{len(signals.t)} samples at {1 / signals.step:g} Hz, {solution.blocks} blocks of "
-        f"{settings.block:g} s"
+        f"{counted(len(signals.t), 'sample')} at {1 / signals.step:g} Hz, "
+        f"{counted(solution.blocks, 'block')} of {settings.block:g} s"
     )
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")

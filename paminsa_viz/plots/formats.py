@@ -119,7 +119,7 @@ def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
         low, high = RESOLUTIONS
         raise InvalidInput("dpi", f"{low:g} to {high:g} pixels per inch are possible")
     if chosen.pixels and width_mm / INCH * dpi > MOST_PIXELS:
-        raise InvalidInput("dpi", f"the figure would be more than {MOST_PIXELS} pixels wide")
+        raise InvalidInput("dpi", f"the figure would be more than {MOST_PIXELS:,} pixels wide")
     return chosen
 
 

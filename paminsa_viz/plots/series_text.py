@@ -15,7 +15,7 @@ from paminsa_viz.plots.caption import equals, robot, shown
 from paminsa_viz.plots.series import SeriesData, SeriesSources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import ControlMode
-from paminsa_viz.units import format_value, number
+from paminsa_viz.units import counted, format_value, number
 from paminsa_viz.version import MADE_BY
 
 NAMED_FAILURES = 4
@@ -86,7 +86,7 @@ def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:
     made = f" ({t.kind})" if t.kind else ""
     sentences = [
         f"{robot(sources.analysis.design)}; motion {shown(t.name)}{made}, "
-        f"{equals('T', t.duration, 's')}, {t.size} samples.",
+        f"{equals('T', t.duration, 's')}, {counted(t.size, 'sample')}.",
         *_about(data),
     ]
     misprints = sources.analysis.solved.misprints

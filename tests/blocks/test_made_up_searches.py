@@ -108,7 +108,7 @@ def test_an_answer_says_what_it_is_and_how_it_was_found() -> None:
     assert found == [
         (f"Least footprint radius found: 578 mm, with {Regime.SMALLER.value}, for the {place}.",
          "ok"),
-        ("The search tried 1234 robots and has no proof that there is none better; requirements "
+        ("The search tried 1,234 robots and has no proof that there is none better; requirements "
          "were verified on 567 poses, θ −5.73° to 11.46° from the heading where joints 5 are "
          "toward their leg axes.", "muted"),
     ]  # fmt: skip
@@ -116,7 +116,7 @@ def test_an_answer_says_what_it_is_and_how_it_was_found() -> None:
     none = answer(feasible=False, canceled=True, objective=math.nan, refused={Regime.LARGER: "why"})
     assert said(synthesis.synthesis_blocks(none)) == [
         ("No robot meets all requirements; below is the nearest one.", "bad"),
-        ("The search tried 1234 robots before it was stopped.", "muted"),
+        ("The search tried 1,234 robots before it was stopped.", "muted"),
         (f"{Regime.LARGER.value} is excluded: why.", "plain"),
     ]
     assert synthesis.effort_note(answer(trials=1)).text.startswith("The search tried 1 robot and")

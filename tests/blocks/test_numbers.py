@@ -122,6 +122,9 @@ def test_maps_hold_the_torques_of_their_cells(seed: int) -> None:
         for row, values in zip(table.rows, np.moveaxis(torque, -1, 0), strict=True):
             assert is_printed(row.cells[1], float(values[kept].min()))
             assert is_printed(row.cells[3], float(np.median(np.abs(values[kept]))))
+    for count, words in ((1, "the 1 cell that counts:"), (12345, "the 12,345 cells that count:")):
+        said = maps_blocks(data, {**facts, "counting_cells": count})
+        assert any(isinstance(one, Note) and words in one.text for one in said)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

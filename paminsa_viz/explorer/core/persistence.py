@@ -172,7 +172,7 @@ def open_share_code(code: str) -> Document:
         PaminsaError: If the code is none, is damaged, or describes what is not possible.
     """
     if len(code) > LONGEST_CODE:
-        raise InvalidInput("share code", f"it is too long (at most {LONGEST_CODE} characters)")
+        raise InvalidInput("share code", f"it is too long (at most {LONGEST_CODE:,} characters)")
     code = re.sub(r"\s+", "", code.partition("&")[0])
     if not code.startswith(PREFIX):
         version = re.match(r"PMZ(\d+)-", code)

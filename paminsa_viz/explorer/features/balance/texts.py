@@ -30,7 +30,14 @@ from paminsa_viz.explorer.state.balance import (
 )
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, PaminsaError, static_imbalance
-from paminsa_viz.units import format_pose, format_value, number, percent_change, symbols_html
+from paminsa_viz.units import (
+    counted,
+    format_pose,
+    format_value,
+    number,
+    percent_change,
+    symbols_html,
+)
 
 MAX_BOUNDS = 6
 """Most active bounds that are listed."""
@@ -113,12 +120,12 @@ def weights_html(found: WeightClearance | None) -> str:
         level, title = "bad", "A counterweight hits another body"
         lines = [
             f"{one} and {other} overlap by {format_value(-found.distance, 'm', 3)} at {place}",
-            f"in {100 * found.touching:.0f} % of {found.poses} poses; give it a shorter lever, "
-            "or leave it out",
+            f"in {100 * found.touching:.0f} % of {counted(found.poses, 'pose')}; give it a shorter "
+            "lever, or leave it out",
         ]
     else:
         level, title = "ok", f"Counterweights are clear by {format_value(found.distance, 'm', 3)}"
-        lines = [f"nearest: {one} and {other}, at {place}; {found.poses} poses checked"]
+        lines = [f"nearest: {one} and {other}, at {place}; {counted(found.poses, 'pose')} checked"]
     return status("weight-clearance", level, title, *lines)
 
 

@@ -34,6 +34,7 @@ from paminsa_viz.files.logs import parse_log
 from paminsa_viz.files.table_reader import UPLOAD_TIMEOUT, uploaded_table
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.plots.identification_series import log_charts
+from paminsa_viz.units import counted
 
 
 def _open(place: str, session: Session, name: str, content: bytes) -> None:
@@ -50,7 +51,7 @@ def _open(place: str, session: Session, name: str, content: bytes) -> None:
     )
     session.dispatch(
         f"identify.{place}", lambda state: actions.use_log(state, place, log),
-        then=lambda: session.notify("Log opened", f"{log.name}, {len(log.t)} rows"),
+        then=lambda: session.notify("Log opened", f"{log.name}, {counted(len(log.t), 'row')}"),
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.table_reader import UPLOAD_TIMEOUT, uploaded_table
 from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.trajectory import PRESETS
-from paminsa_viz.units import display_unit
+from paminsa_viz.units import counted, display_unit
 
 MOTIONS: dict[str, str | Kind] = {
     **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
@@ -67,7 +67,7 @@ def file_html(frame: Frame) -> str:
     """Return what is known of a file's motion."""
     table = frame.state.document.motion.table
     lines = [] if table is None else [
-        (table.name, f", {table.size} rows"),
+        (table.name, f", {counted(table.size, 'row')}"),
         *(("", note) for note in table.notes),
         ("", "A file's motion is not kept over a reload, nor in a share code."),
     ]  # fmt: skip
@@ -85,7 +85,7 @@ def _open(session: Session, name: str, content: bytes) -> None:
     session.dispatch(
         "motion.table", lambda state: motions.use_table(state, table),
         then=lambda: session.notify(
-            "Motion opened", f"{table.name}, {table.size} rows", of_step=True
+            "Motion opened", f"{table.name}, {counted(table.size, 'row')}", of_step=True
         ),
     )  # fmt: skip
 

@@ -9,6 +9,7 @@ from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.tolerances import ToleranceSettings
+from paminsa_viz.units import counted
 
 
 def masses_html(frame: Frame) -> str:
@@ -38,8 +39,8 @@ TOLERANCES: tuple[Entry, ...] = (
     Button(
         "tolerance.draw", "Draw robots", effect=DRAW.start, undo=False,
         disabled=DRAW.runs,
-        hint=f"{ROBOTS} robots within the tolerance of lengths, at this θ and z, at those of "
-        f"{CELLS} × {CELLS} positions of the map that count",
+        hint=f"{counted(ROBOTS, 'robot')} within the tolerance of lengths, at this θ and z, at "
+        f"those of {CELLS} × {CELLS} positions of the map that count",
     ),
     Answer(
         "tolerance.answer", "Balance within tolerances", found=DRAW.outcome, always=True,
