@@ -107,13 +107,18 @@ def required_texts(requirements: Requirements | None) -> list[str]:
     """Return bounds, headings and workspace as texts; nothing of None."""
     if requirements is None:
         return []
-    low, high = (format_value(angle, "rad", 10) for angle in requirements.theta)
     place = requirements.workspace
     return [
         *map(requirement_text, requirements.bounds),
-        f"headings θ {low} to {high}",
+        f"headings {headings_text(requirements, 10)}",
         *([] if place is None else [f"workspace {workspace_text(place)}"]),
     ]
+
+
+def headings_text(requirements: Requirements, digits: int = 4) -> str:
+    """Return the headings that are required: ``θ −30° to 30°``, or ``θ 0°`` for one alone."""
+    low, high = (format_value(angle, "rad", digits) for angle in requirements.theta)
+    return f"θ {low}" if low == high else f"θ {low} to {high}"
 
 
 def workspace_text(workspace: Workspace) -> str:
@@ -156,8 +161,9 @@ def check_row(
 
 def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
     """Return what the worst values of a check are over."""
-    low, high = (format_value(end, "rad") for end in requirements.theta)
-    return f"Worst values {_OVER[check.over]}, from θ {low} to {high}"
+    headings = headings_text(requirements)
+    span = "from" if " to " in headings else "at"
+    return f"Worst values {_OVER[check.over]}, {span} {headings}"
 
 
 def _volume(volume: Volume, text: Text) -> list[Block]:
@@ -262,7 +268,7 @@ def _largest(design: Design, requirements: Requirements) -> list[Block]:
         found = largest_workspace(design, requirements, time_limit=TIME_LIMIT)
     except PaminsaError as error:
         return [Note(f"The largest workspace is not known: {error}.", "warn")]
-    return list(largest_blocks(design, requirements, found))
+    return list(largest_blocks(requirements, found))
 
 
 def verdict_text(proof: Proof) -> str:
@@ -360,13 +366,12 @@ _MORE_TIME = "more time may decide it"
 
 
 def proof_blocks(
-    design: Design, requirements: Requirements, proof: Proof, text: Text = requirement_label, *,
+    requirements: Requirements, proof: Proof, text: Text = requirement_label, *,
     advice: str = _MORE_TIME,
 ) -> list[Block]:  # fmt: skip
     """Return what a proof over the required workspace came to, and what it rests on.
 
     Args:
-        design: The robot.
         requirements: What had to be proven.
         proof: The proof.
         text: How requirements are written.
@@ -374,7 +379,7 @@ def proof_blocks(
     """
     kind = "ok" if proof.verdict is Verdict.PROVEN else "bad"
     blocks: list[Block] = [
-        Note(f"{design.name}, {_place(requirements)}: {verdict_text(proof)}", kind),
+        Note(f"Requirements over the {_place(requirements)}: {verdict_text(proof)}", kind),
         evidence_table(proof, text),
     ]
     if proof.pose is not None:
@@ -386,13 +391,12 @@ def proof_blocks(
 
 
 def largest_blocks(
-    design: Design, requirements: Requirements, found: LargestWorkspace,
-    text: Text = requirement_label, *, advice: str = _MORE_TIME,
+    requirements: Requirements, found: LargestWorkspace, text: Text = requirement_label, *,
+    advice: str = _MORE_TIME,
 ) -> list[Table | Note]:  # fmt: skip
     """Return the largest proven workspace, what ends it, and what its proof rests on.
 
     Args:
-        design: The robot.
         requirements: What has to hold over it.
         found: The answer.
         text: How requirements are written.
@@ -401,15 +405,15 @@ def largest_blocks(
     if found.workspace is None:
         undecided = found.proof.verdict is Verdict.UNDECIDED
         why = "undecided" if undecided else "none"
-        head = Note(f"{design.name}, largest workspace: {why}{_cause(found, text)}", "bad")
+        head = Note(f"Largest workspace: {why}{_cause(found, text)}", "bad")
         # a path from home is looked for once, however long the search
         return [head, Note(advice)] if undecided and found.cause != "home" else [head]
     place = _place(replace(requirements, workspace=found.workspace))
     limit = workspace_text(replace(found.workspace, size=found.limit))
     sampled = bool(found.proof.sampled)
-    what = "largest workspace by proof and samples" if sampled else "largest proven workspace"
+    what = "Largest workspace by proof and samples" if sampled else "Largest proven workspace"
     blocks: list[Table | Note] = [
-        Note(f"{design.name}, {what}: {place}", "warn" if sampled else "ok"),
+        Note(f"{what}: {place}", "warn" if sampled else "ok"),
         Note(f"gap {format_value(found.gap, 'm', 3)} to {limit}{_cause(found, text)}"),
         evidence_table(found.proof, text),
         Note(_effort(found)),
@@ -426,8 +430,7 @@ def _effort(found: Proof | LargestWorkspace) -> str:
 
 def _place(requirements: Requirements) -> str:
     assert requirements.workspace is not None
-    low, high = (format_value(angle, "rad") for angle in requirements.theta)
-    return f"{workspace_text(requirements.workspace)}, θ {low} to {high}"
+    return f"{workspace_text(requirements.workspace)}, {headings_text(requirements)}"
 
 
 def _cause(found: LargestWorkspace, text: Text) -> str:

@@ -13,6 +13,7 @@ from paminsa_viz.blocks.design import changes_table
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, rows
 from paminsa_viz.blocks.requirements import (
     evidence_table,
+    headings_text,
     verdict_text,
     workspace_text,
 )
@@ -92,15 +93,14 @@ def objective_text(key: str, value: float, digits: int = 4) -> str:
 
 def effort_note(result: SynthesisResult) -> Note:
     """Return how an answer was searched and verified, and what that does not prove."""
-    low, high = (format_value(end, "rad") for end in result.case.requirements.theta)
     text = f"The search tried {counted(result.trials, 'robot')}"
     if result.canceled:
         text += " before it was stopped"
     if result.feasible:
         text += (
             " and has no proof that there is none better; requirements were verified on "
-            f"{counted(result.poses, 'pose')}, θ {low} to {high} from the heading where "
-            "joints 5 are toward their leg axes"
+            f"{counted(result.poses, 'pose')}, {headings_text(result.case.requirements)} from the "
+            "heading where joints 5 are toward their leg axes"
         )
     return Note(f"{text}.", "muted")
 

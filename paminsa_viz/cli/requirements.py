@@ -160,7 +160,8 @@ class Prove(JsonFlags, RequirementFlags):
             print_json({**robot(design), **proof_data(proof)})
         else:
             advice = "a longer --time may decide it"
-            print_blocks(proof_blocks(design, requirements, proof, requirement_text, advice=advice))
+            print_heading(design)
+            print_blocks(proof_blocks(requirements, proof, requirement_text, advice=advice))
         return 0 if proof.verdict is Verdict.PROVEN else 1
 
 
@@ -201,9 +202,8 @@ class Largest(JsonFlags, RequirementFlags):
             print_json(largest_data(design, found))
         else:
             advice = "a longer --time or a smaller --tolerance may decide it"
-            print_blocks(
-                largest_blocks(design, requirements, found, requirement_text, advice=advice)
-            )
+            print_heading(design)
+            print_blocks(largest_blocks(requirements, found, requirement_text, advice=advice))
         return 1 if found.workspace is None else 0
 
 

@@ -199,18 +199,21 @@ def test_what_a_proof_rests_on() -> None:
         assert data["broken"] == (broken and "max_torque <= 15 N m")
         assert (data["boxes"], data["seconds"], data["gap_m"]) == (99, 9.5, 0.01)
     asked = Requirements((CONDITION,), (-0.1, 0.2), PLACE)
-    notes = said(words.proof_blocks(APPENDIX_4, asked, proof))
+    notes = said(words.proof_blocks(asked, proof))
+    assert notes[0][0].startswith("Requirements over the box 200 × 100 × 300 mm about x 10 mm, ")
     assert notes[0][0].endswith("θ −5.73° to 11.46°: refuted")
+    one = words.proof_blocks(replace(asked, theta=(0.1, 0.1)), proof)
+    assert said(one)[0][0].endswith(", θ 5.73°: refuted")
     assert notes[0][1] == "bad"
     assert notes[1][0].startswith("broken at x 10 mm")
     assert notes[2][0] == "12,345 boxes, 1.2 s; 1,234 open"
     proven = SimpleNamespace(**vars(proof) | {"verdict": Verdict.PROVEN, "pose": None})
-    notes = said(words.proof_blocks(APPENDIX_4, asked, proven))  # type: ignore
+    notes = said(words.proof_blocks(asked, proven))  # type: ignore
     assert len(notes) == 2
     for remaining, advice in ((proof.remaining, ["more"]), ([], [])):  # a path is no matter of time
         changes = {"verdict": Verdict.UNDECIDED, "pose": None, "remaining": remaining}
         undecided: Any = SimpleNamespace(**vars(proof) | changes)
-        blocks = words.proof_blocks(APPENDIX_4, asked, undecided, advice="more")
+        blocks = words.proof_blocks(asked, undecided, advice="more")
         assert [note for note, _ in said(blocks)[2:]] == advice
     assert notes[0][0].endswith("proven, but for requirements that are only sampled")
     assert notes[0][1] == "ok"
@@ -255,10 +258,10 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
 
     def text(**changes: Any) -> list[tuple[str, str]]:
         one: Any = SimpleNamespace(**vars(found) | changes)
-        blocks = words.largest_blocks(APPENDIX_4, asked, one, lambda bound: bound.quantity)
+        blocks = words.largest_blocks(asked, one, lambda bound: bound.quantity)
         return said(blocks)
 
-    begin = "Appendix 4, largest workspace: "
+    begin = "Largest workspace: "
     refuted = SimpleNamespace(**vars(proof) | {"verdict": Verdict.REFUTED})
     pose = (0.01, 0.02, 0.1, -0.5)
     assert text() == [(f"{begin}undecided: no path from home to its center", "bad")]
@@ -272,7 +275,7 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     assert ": max_torque breaks at x 10 mm" in broken
     notes = text(workspace=PLACE, cause="reach")
     assert notes[0] == (
-        "Appendix 4, largest proven workspace: box 200 × 100 × 300 mm about x 10 mm, y free, "
+        "Largest proven workspace: box 200 × 100 × 300 mm about x 10 mm, y free, "
         "z −500 mm, θ −5.73° to 11.46°", "ok",
     )  # fmt: skip
     assert notes[1][0].startswith("gap 12.3 mm to box 400 × 200 × 600 mm about x 10 mm")
@@ -280,7 +283,7 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     assert text(workspace=PLACE, boxes=1)[2][0] == "1 box, 2.2 s"
     sampled = SimpleNamespace(**vars(proof) | {"sampled": (CONDITION,)})
     head, kind = text(workspace=PLACE, proof=sampled)[0]
-    assert head.startswith("Appendix 4, largest workspace by proof and samples: box 200")
+    assert head.startswith("Largest workspace by proof and samples: box 200")
     assert kind == "warn"
     assert text(workspace=PLACE, proof=sampled)[3] == (
         "what is only sampled is not proven: a pose between samples may break it, whatever the gap",

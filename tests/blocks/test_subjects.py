@@ -207,8 +207,8 @@ def _requirements(_: Path) -> Said:
     largest = largest_workspace(design, asked, tolerance=0.02, time_limit=5.0)
     blocks = [
         *requirements.check_blocks(asked, check),
-        *requirements.proof_blocks(design, asked, proof),
-        *requirements.largest_blocks(design, asked, largest),
+        *requirements.proof_blocks(asked, proof),
+        *requirements.largest_blocks(asked, largest),
         requirements.quantities_table(),
     ]
     data = [

@@ -85,7 +85,7 @@ def test_requirements_come_from_the_file(folder: Path, capsys) -> None:
     )  # fmt: skip
     assert code == 1
     assert "condition <= 2" in out
-    assert "from theta 0° to 0°" in out
+    assert "workspace, at theta 0°." in out
 
 
 def test_files_of_the_volume(folder: Path, capsys) -> None:
@@ -148,7 +148,7 @@ def test_largest_proven_workspace_with_its_gap(capsys) -> None:
     words = ("largest", *PROVABLE, *CENTERED, "--grow", "horizontal", "--tolerance", "10")
     code, out, err = run("requirements", capsys, *words)
     assert (code, err) == (0, "")
-    assert "largest proven workspace: cylinder d 3" in out
+    assert out.startswith('design "Appendix 4"\nLargest proven workspace: cylinder d 3')
     assert "× 400 mm about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°" in out
     assert "condition <= 10 breaks at x" in out
     data = run_json("requirements", capsys, *words)
@@ -169,6 +169,7 @@ def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None
 def test_proof_of_a_workspace(capsys) -> None:
     code, out, err = run("requirements", capsys, "prove", *PROVABLE, *CENTERED)
     assert (code, err) == (0, "")
+    assert out.startswith('design "Appendix 4"\nRequirements over the cylinder d 300 × 400 mm')
     assert "about x 0 mm, y 0 mm, z -600 mm, theta -30° to 30°: proven" in out
     code, out, _ = run(
         "requirements", capsys, "prove", *PROVABLE, "--require", "|tau_1| <= 1 N m", *CENTERED
@@ -193,7 +194,7 @@ def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
     words = ("prove", "--require", "condition <= 10", "--require", "error_x <= 100 um", *CENTERED)
     code, out, _ = run("requirements", capsys, *words)
     assert code == 0
-    assert "theta 0° to 0°: proven, but for requirements that are only sampled\n" in out
+    assert "theta 0°: proven, but for requirements that are only sampled\n" in out
 
 
 def test_a_workspace_beyond_all_reach_is_answered_at_once(capsys) -> None:

@@ -27,7 +27,7 @@ def result_html(frame: Frame) -> str:
     job = outcome.job
     blocks = [
         item.columns(0, 2, 3) if isinstance(item, Table) else item
-        for item in largest_blocks(job.design, job.requirements, found)
+        for item in largest_blocks(job.requirements, found)
     ]
     return blocks_html(
         "largest-result", *blocks, look="pv-requirements",

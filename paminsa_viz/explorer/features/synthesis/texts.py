@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from paminsa_viz.blocks.kinds import Note, Table
-from paminsa_viz.blocks.requirements import workspace_text
+from paminsa_viz.blocks.requirements import headings_text, workspace_text
 from paminsa_viz.blocks.synthesis import (
     buildability_blocks,
     effort_note,
@@ -22,21 +22,20 @@ from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
-from paminsa_viz.units import format_value, number
+from paminsa_viz.units import number
 
 
 def intro_html(frame: Frame) -> str:
     """Return what is searched for: the requirements with their workspace, or what is missing."""
     state = frame.state
     requirements = state.document.requirements
-    low, high = (format_value(end, "rad") for end in requirements.theta)
     problem = ""
     try:
         case_of(state.synthesis.settings, state.document.design, requirements)
     except PaminsaError as error:
         problem = str(error).removeprefix("workspace: ")  # which the sentence says itself
     return render(
-        "synthesis/intro.j2", problem=problem, low=low, high=high,
+        "synthesis/intro.j2", problem=problem, headings=headings_text(requirements),
         labels=[requirement_label(bound) for bound in requirements.bounds],
         workspace="" if (space := requirements.workspace) is None else shape_text(space),
     )  # fmt: skip
