@@ -286,16 +286,16 @@ def format_ascii(value: float, unit: str, digits: int = 4) -> str:
     return display_unit(unit).format(value, digits, ascii_only=True)
 
 
-def format_pose(pose: Iterable[float], *, ascii_only: bool = False) -> str:
+def format_pose(pose: Iterable[float], digits: int = 4, *, ascii_only: bool = False) -> str:
     """Return a pose [m, m, rad, m] for people: ``x 30 mm, y 0 mm, θ 60°, z −480 mm``.
 
     What is below 1e-9 is a rounding error. With ``ascii_only`` as `format_ascii` writes.
     """
     write = format_ascii if ascii_only else format_value
     x, y, theta, z = (round(float(value), 9) + 0.0 for value in pose)
-    place = f"x {write(x, 'm')}, y {write(y, 'm')}"
+    place = f"x {write(x, 'm', digits)}, y {write(y, 'm', digits)}"
     heading = "theta" if ascii_only else "θ"
-    return f"{place}, {heading} {write(theta, 'rad')}, z {write(z, 'm')}"
+    return f"{place}, {heading} {write(theta, 'rad', digits)}, z {write(z, 'm', digits)}"
 
 
 def interval_text(value: float, half_width: float, *, ascii_only: bool = False) -> str:

@@ -108,8 +108,16 @@ def effort_note(result: SynthesisResult) -> Note:
 def refused_notes(result: SynthesisResult) -> list[Note]:
     """Return the regimes that were excluded, and why."""
     return [
-        Note(f"{regime.value} is excluded: {reason}.") for regime, reason in result.refused.items()
+        Note(f"{regime.value} is excluded: {_with_signs(reason)}.")
+        for regime, reason in result.refused.items()
     ]
+
+
+def _with_signs(text: str) -> str:
+    """Return a message with its formulas as they are read: ``|R_b − R_pl| ≥ 3``."""
+    for plain, sign in ((" - ", " − "), ("<=", "≤"), (">=", "≥")):
+        text = text.replace(plain, sign)
+    return text
 
 
 def _required(result: SynthesisResult) -> list[BoundOutcome]:

@@ -23,7 +23,7 @@ from paminsa_viz.model.reach import (
 )
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.model.singularity import measure_singularity, singular_rotation
-from paminsa_viz.units import format_ascii
+from paminsa_viz.units import format_pose
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -149,10 +149,7 @@ def start_pose(design: Design) -> Array:
 def unclosed(pose: Array) -> UnreachablePose:
     """Return the error for a pose (4,) at which the bars cannot close."""
     x, y, theta, z = (float(value) for value in pose)
-    text = (
-        f"the bars cannot close at x = {format_ascii(x, 'm', 6)}, y = {format_ascii(y, 'm', 6)}, "
-        f"theta = {math.degrees(theta):.6g} deg, z = {format_ascii(z, 'm', 6)}"
-    )
+    text = f"the bars cannot close at {format_pose(pose, 6, ascii_only=True)}"
     return UnreachablePose((x, y, theta, z), 0, "configuration", 0.0, text)
 
 

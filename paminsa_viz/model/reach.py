@@ -14,6 +14,7 @@ from paminsa_viz.model.arrays import Array, Pose, as_vectors
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.status import Status, WithStatus
+from paminsa_viz.units import MM, format_pose
 
 LEAST_MARGIN = backend.Formula(measures.least_margin, 2)
 """The least margin of all legs and limits [m], and which one it is."""
@@ -106,7 +107,7 @@ class Reach(OfLimits):
         text, leg = Limit(int(self.status[at])).explanation, int(self.leg[at])
         if leg < 0:
             return text
-        return f"{text} (leg {leg + 1}, by {_short(1e3 * float(self.excess[at]), 2)} mm)"
+        return f"{text} (leg {leg + 1}, by {_millimeters(float(self.excess[at]))})"
 
 
 def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
@@ -207,14 +208,10 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     where = np.asarray(pose, dtype=float)[first]
     limit = Limit(int(result.status[first]))
     leg, excess = int(result.leg[first]) + 1, float(result.excess[first])
-    x, y, theta, z = where
-    text = (
-        f"pose ({_short(1e3 * x)} mm, {_short(1e3 * y)} mm, {_short(np.degrees(theta))} deg, "
-        f"{_short(1e3 * z)} mm)"
-    )
-    text += f" cannot be taken: {result.explanation(first)}"
+    shown = format_pose(where, 5, ascii_only=True)
+    text = f"pose {shown} cannot be taken: {result.explanation(first)}"
     raise UnreachablePose(tuple(map(float, where)), leg, limit.word, excess, text)
 
 
-def _short(number: float, digits: int = 1) -> str:
-    return f"{number:.{digits}f}" if abs(number) < 1e7 else f"{number:.3g}"
+def _millimeters(length: float) -> str:
+    return f"{MM * length:.2f} mm" if abs(length) < 1e4 else f"{MM * length:.3g} mm"

@@ -113,11 +113,16 @@ def test_an_answer_says_what_it_is_and_how_it_was_found() -> None:
          "toward their leg axes.", "muted"),
     ]  # fmt: skip
     assert ", with , for" in said(synthesis.synthesis_blocks(answer(regime=None)))[0][0]
-    none = answer(feasible=False, canceled=True, objective=math.nan, refused={Regime.LARGER: "why"})
+    none = answer(
+        feasible=False,
+        canceled=True,
+        objective=math.nan,
+        refused={Regime.LARGER: "1 >= |R_b - R_pl|, over-stretched"},
+    )
     assert said(synthesis.synthesis_blocks(none)) == [
         ("No robot meets all requirements; below is the nearest one.", "bad"),
         ("The search tried 1,234 robots before it was stopped.", "muted"),
-        (f"{Regime.LARGER.value} is excluded: why.", "plain"),
+        (f"{Regime.LARGER.value} is excluded: 1 ≥ |R_b − R_pl|, over-stretched.", "plain"),
     ]
     assert synthesis.effort_note(answer(trials=1)).text.startswith("The search tried 1 robot and")
     assert synthesis.objective_text("footprint", 0.123456) == "footprint radius 123.5 mm"

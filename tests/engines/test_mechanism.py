@@ -128,9 +128,7 @@ def test_robot_singular_at_the_center_has_no_start_pose() -> None:
 
 def test_a_pose_at_which_the_bars_cannot_close_is_told_to_six_digits() -> None:
     error = unclosed(np.array([1.23456789, -0.02, np.pi / 3, -5.0]))
-    assert str(error) == (
-        "the bars cannot close at x = 1234.57 mm, y = -20 mm, theta = 60 deg, z = -5000 mm"
-    )
+    assert str(error) == ("the bars cannot close at x 1234.57 mm, y -20 mm, theta 60°, z -5000 mm")
     assert error.pose == (1.23456789, -0.02, np.pi / 3, -5.0)
     assert (error.leg, error.limit, error.excess) == (0, "configuration", 0.0)
 

@@ -261,11 +261,11 @@ def test_status_and_leg_follow_from_the_least_margin_and_its_number() -> None:
 
 
 def test_long_numbers_of_a_pose_are_shortened() -> None:
-    for x, text in ((9999.0, "9999000.0 mm"), (1e4, "1e+07 mm"), (1.05e4, "1.05e+07 mm"),
-                    (-1.05e4, "-1.05e+07 mm")):  # fmt: skip
+    for x, text in ((9.9999, "9999.9 mm"), (9999.0, "9.999e+06 mm"), (1.05e4, "1.05e+07 mm"),
+                    (-1.05e4, "-1.05e+07 mm"), (np.nan, "–")):  # fmt: skip
         with pytest.raises(UnreachablePose) as caught:
             require_reachable(APPENDIX_4.geometry, [x, 0.0, 0.0, 0.0])
-        assert f"pose ({text}, 0.0 mm, 0.0 deg, 0.0 mm) cannot be taken" in str(caught.value)
+        assert f"pose x {text}, y 0 mm, theta 0°, z 0 mm cannot be taken" in str(caught.value)
 
 
 def test_words() -> None:
@@ -289,7 +289,7 @@ def test_error_names_leg_and_excess() -> None:
     assert error.limit == Limit(int(found.status)).word == "stretched"
     assert error.leg == int(found.leg) + 1
     assert error.excess == float(found.excess)
-    assert "pose (100.0 mm, 50.0 mm, 11.5 deg, -1100.0 mm) cannot be taken" in str(error)
+    assert "pose x 100 mm, y 50 mm, theta 11.459°, z -1100 mm cannot be taken" in str(error)
     assert f"(leg {error.leg}, by {1e3 * error.excess:.2f} mm)" in str(error)
     assert isinstance(error, PaminsaError)
 
