@@ -11,7 +11,7 @@ import pytest
 from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.synthesis.volume import grid
-from paminsa_viz.synthesis.volume.grid import Resolution, axes_of
+from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution, axes_of
 from tests.synthesis.robots import needs
 
 G = APPENDIX_4.geometry
@@ -102,3 +102,16 @@ def test_costly_quantities_get_fewer_nodes_and_then_fewer_headings(
     flat = replace(APPENDIX_4, geometry=replace(G, base_radius=5.0, platform_radius=5.0))
     axes_of(flat, needs("condition <= 9", theta=(0.4, 0.5)), Resolution(64, 3, 2.0), False)
     assert seen == [(3, 2)]
+
+
+@pytest.mark.parametrize("resolution", [FINE, COARSE, Resolution(64, 3, 5.0)])
+def test_a_body_as_thin_as_a_needle_has_few_nodes_beyond_it(resolution: Resolution) -> None:
+    """R_pl nearly R_b: a radius of 1 um and a height of 2 m, a node beyond on each side of it."""
+    for difference in (1e-6, -1e-6, 1e-7):
+        thin = replace(APPENDIX_4, geometry=replace(G, platform_radius=G.base_radius + difference))
+        x, z, headings = axes_of(thin, needs(), resolution, True)
+        assert len(x) == 5
+        assert headings == resolution.headings
+        assert 0.8 * resolution.nodes < len(x) ** 2 * len(z) <= 3 * resolution.nodes + 5_000
+        assert np.diff(z) == pytest.approx(np.full(len(z) - 1, x[1] - x[0]))
+        assert z[-1] - z[0] > spanned(thin.geometry, 0.0, True)[2] * 2

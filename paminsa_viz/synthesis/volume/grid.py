@@ -48,6 +48,12 @@ _LEAST_NODES = 300
 """Nodes of a volume of the costliest quantities."""
 
 
+_MOST_OF_NODES, _LEAST_GRID = 3.0, 5_000
+"""How many times the nodes asked for a grid has at most, besides how many that any grid may have.
+
+In a body as thin as a needle, of R_pl nearly R_b, most nodes lie beyond it.
+"""
+
 _FEW_NODES = 0.1
 """Share of the nodes asked for below which headings are left out as well."""
 
@@ -85,9 +91,13 @@ def axes_of(
             break
         headings = (headings - 1) // 4 * 2 + 1
     step = float(np.cbrt(size / nodes))
-    half = int(np.ceil(radius / step)) + 1
-    count = int(np.ceil((high - low) / step)) + 3
-    count += 1 - count % 2  # odd, so that every second node reaches the ends
+    while True:
+        half = int(np.ceil(radius / step)) + 1
+        count = int(np.ceil((high - low) / step)) + 3
+        count += 1 - count % 2  # odd, so that every second node reaches the ends
+        if (2 * half + 1) ** 2 * count <= _MOST_OF_NODES * nodes + _LEAST_GRID:
+            break
+        step *= 1.1
     middle = 0.5 * (low + high)
     z = middle + step * (np.arange(count) - (count - 1) / 2)
     return np.asarray(step * np.arange(-half, half + 1), np.float64), z, headings
