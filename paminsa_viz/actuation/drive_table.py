@@ -20,6 +20,9 @@ class DriveTable:
     Attributes:
         ratio: Motor angle for one unit of the actuator, N [rad/rad, rad/m].
         inertia, viscous, coulomb: J, b, c at the motor's shaft [kg m^2, N m s/rad, N m].
+        output_inertia, output_viscous, output_coulomb: Of a screw or belt whose gear is not chosen
+            yet, at the actuator [kg, N s/m, N]; at the motor they are divided by N^2, N^2 and N.
+            Zero where they are part of J, b and c.
         efficiency: Of gear and screw together.
         rated_torque, rated_speed, top_speed: Of the motor [N m, rad/s]; the top speed is also the
             gear's.
@@ -37,6 +40,9 @@ class DriveTable:
     inertia: Array
     viscous: Array
     coulomb: Array
+    output_inertia: Array
+    output_viscous: Array
+    output_coulomb: Array
     efficiency: Array
     rated_torque: Array
     rated_speed: Array
@@ -66,12 +72,25 @@ class DriveTable:
 
     def factors(self, ratio: Array | None = None) -> Array:
         """Return what the signals of a load are multiplied by, (n, 6); see `duty.Signal`."""
-        n = self.ratio if ratio is None else ratio
+        n = (self.ratio if ratio is None else ratio)[:, None]
+        found = self.geared_down / n + n * self.geared_up
+        found[:, -1] += self.coulomb
+        return found
+
+    @property
+    def geared_down(self) -> Array:
+        """What of `factors` is divided by N, (n, 6)."""
         columns = (
-            1 / (n * self.efficiency), self.efficiency / n, 1 / n,
-            n * self.inertia, n * self.viscous, self.coulomb,
+            1 / self.efficiency, self.efficiency, np.ones(len(self)),
+            self.output_inertia, self.output_viscous, self.output_coulomb,
         )  # fmt: skip
         return np.stack(columns, axis=1)
+
+    @property
+    def geared_up(self) -> Array:
+        """What of `factors` is multiplied by N, (n, 6)."""
+        none = np.zeros(len(self))
+        return np.stack([none, none, none, self.inertia, self.viscous, none], axis=1)
 
     @property
     def slopes(self) -> Array:
@@ -117,6 +136,9 @@ def drive_table(drives: Sequence[Drive]) -> DriveTable:
         inertia=column("inertia"),
         viscous=column("viscous"),
         coulomb=column("coulomb"),
+        output_inertia=np.zeros(len(drives)),
+        output_viscous=np.zeros(len(drives)),
+        output_coulomb=np.zeros(len(drives)),
         efficiency=column("total_efficiency"),
         rated_torque=column("rated_torque"),
         rated_speed=column("rated_speed"),

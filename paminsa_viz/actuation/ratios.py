@@ -6,7 +6,8 @@ part u = J w' + b w,
     RMS:      <T_e^2> + 2 <T_e u> N^2 + <u^2> N^4 <= rated^2 N^2
     a sample: s (T_e + u N^2) + k |w| N^2 <= a N,    s = 1 and -1,
 
-for every line tau <= a - k |N w| of a concave envelope; peak torque is the line with k = 0. Each of
+for every line tau <= a - k |N w| of a concave envelope; peak torque is the line with k = 0. T_e has
+what a screw or belt behind the gear takes, as far as the gear is not chosen yet. Each of
 them allows one interval of N, so all together do. Which sample ends it is not known beforehand: an
 interval is cut by the samples that break it most at its ends until none does, which is exact, as a
 sample that allows both ends allows everything between.
@@ -109,7 +110,8 @@ def ratio_intervals(
         high = np.minimum(high, np.where(top > 0, table.top_speed / top, np.inf))
         high = np.minimum(high, np.where(mean > 0, table.rated_speed / mean, np.inf))
         if np.isfinite(inertia_ratio):
-            low = np.maximum(low, np.sqrt(load.inertia / (inertia_ratio * table.inertia)))
+            missing = np.maximum(load.inertia / inertia_ratio - table.output_inertia, 0.0)
+            low = np.maximum(low, np.sqrt(missing / table.inertia))
         held = np.where(table.holds, 0.0, load.held / table.corner_torque[:, 0])
         low = np.maximum(low, held)
         low[(load.peak > table.gear_peak) | (load.rms > table.gear_rated)] = np.nan
@@ -138,15 +140,12 @@ def figure_of_merit(load: ActuatorLoad, table: DriveTable) -> tuple[Array, Array
 
 def _coefficients(load: ActuatorLoad, table: DriveTable) -> tuple[Array, Array, Array]:
     """Return <T_e^2>, <T_e u> and <u^2> of each drive, (n,) each."""
-    v = table.factors(np.ones(len(table)))
-    torque, own = v[:, : Signal.ACCELERATION], v[:, Signal.ACCELERATION : Signal.SIGN]
-    means = load.means
-    here, there = slice(0, Signal.ACCELERATION), slice(Signal.ACCELERATION, Signal.SIGN)
+    torque, own, means = table.geared_down, table.geared_up, load.means
     held = np.where(table.holds, 0.0, load.held_square)
     return (
-        np.einsum("pi,ij,pj->p", torque, means[here, here], torque) + held,
-        np.einsum("pi,ij,pj->p", torque, means[here, there], own),
-        np.einsum("pi,ij,pj->p", own, means[there, there], own),
+        np.einsum("pi,ij,pj->p", torque, means, torque) + held,
+        np.einsum("pi,ij,pj->p", torque, means, own),
+        np.einsum("pi,ij,pj->p", own, means, own),
     )
 
 
@@ -210,9 +209,9 @@ def _cut_by(
     """Cut the intervals of n drives by their lines at some samples (n or 1, m), in place."""
     part = table[rows]
     phi = load.signals[:, sample]
-    factors = part.factors(np.ones(len(rows)))[..., None]
-    torque = sum(factors[:, i] * phi[i] for i in range(Signal.ACCELERATION))
-    own = sum(factors[:, i] * phi[i] for i in range(Signal.ACCELERATION, Signal.SIGN))
+    down, up = part.geared_down[..., None], part.geared_up[..., None]
+    torque = sum(down[:, i] * phi[i] for i in Signal)
+    own = sum(up[:, i] * phi[i] for i in (Signal.ACCELERATION, Signal.SPEED))
     drag = part.coulomb[:, None] * phi[Signal.SIGN]
     speed = np.abs(phi[Signal.SPEED])
     for a, k in zip(*(column.T[..., None] for column in part.lines), strict=True):
@@ -275,7 +274,7 @@ def catalog_ratios(
 
     Args:
         cycle: What the actuators have to do.
-        catalog: The motors, and the screws and belts of M4, whose inertia is left out too.
+        catalog: The motors, and the screws and belts of M4 with their inertia and friction.
         inertia_ratio: Largest inertia of the robot over that of the motor, at the motor's shaft.
 
     Raises:
@@ -296,6 +295,9 @@ def catalog_ratios(
             names = [f"{a}, {b.name}" for a, b in zip(names, each, strict=True)]
             table.efficiency[:] = [screw.lead_efficiency for screw in each]
             table.holds[:] |= [screw.holds for screw in each]
+            table.output_inertia[:] = [screw.reflected_inertia for screw in each]
+            viscous, coulomb = zip(*(screw.reflected_friction for screw in each), strict=True)
+            table.output_viscous[:], table.output_coulomb[:] = viscous, coulomb
         ends = ratio_intervals(load, table, inertia_ratio=inertia_ratio)
         for i, (name, lead) in enumerate(zip(names, leads, strict=True)):
             low, high = (

@@ -74,7 +74,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
     """How many drives to list for each actuator."""
     ratios: bool = False
     """List the feasible gear ratios of every motor instead, for a gear without inertia and losses;
-    for M4 with each screw and belt, whose inertia is left out too."""
+    for M4 with each screw and belt, whose inertia and friction count."""
     save: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
     """Design file to write, with the first drive of each list; one that exists is replaced."""
 

@@ -228,13 +228,19 @@ def test_the_inertia_ratio_is_a_limit_like_others() -> None:
 
 
 def test_ratios_of_a_catalog_are_those_at_which_its_motors_begin_and_cease_to_fit() -> None:
-    """Behind a gear without inertia; for M4 with each of the screws and belts."""
+    """Behind a gear without inertia; for M4 with the screws, whose inertia and friction count."""
     catalog = generic_catalog()
     some = [
         replace(motor, name=f"{motor.name} {brake}", brake=brake)
         for motor in catalog.motors[::6] for brake in (False, True)
     ]  # fmt: skip
-    two = replace(catalog, motors=tuple(some), transmissions=catalog.transmissions[:2])
+    screws = [
+        replace(screw, gear_inertia=20 * screw.gear_inertia, viscous=viscous, coulomb=coulomb)
+        for screw, viscous, coulomb in zip(
+            catalog.transmissions, (0.0, 2e-4), (0.02, 0.0), strict=False
+        )
+    ]
+    two = replace(catalog, motors=tuple(some), transmissions=tuple(screws))
     motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
     resting = duty_cycle(APPENDIX_4, [Duty(motion, 1, 20.0)])
     found = catalog_ratios(resting, two)
@@ -244,17 +250,19 @@ def test_ratios_of_a_catalog_are_those_at_which_its_motors_begin_and_cease_to_fi
         actuator = int(item.actuator[1]) - 1
         name, _, last = item.motor.partition(", ")
         motor = next(motor for motor in two.motors if motor.name == name)
-        if actuator == 3:
-            screw = next(screw for screw in two.transmissions if screw.name == last)
-            motor = replace(
-                motor, transmission=screw.transmission, lead=screw.lead,
-                brake=motor.brake or screw.holds, lead_efficiency=screw.lead_efficiency,
-            )  # fmt: skip
+        screw = next((screw for screw in two.transmissions if screw.name == last), None)
+        assert (screw is not None) == (actuator == 3)
         load = resting.loads[actuator]
         assert item.actuator == load.name
 
-        def fits(ratio: float, motor: Drive = motor, load: ActuatorLoad = load) -> bool:
-            return bool(size_drives(load, drive_table([replace(motor, gear_ratio=ratio)])).feasible)
+        def fits(
+            ratio: float,
+            motor: Drive = motor,
+            screw: Drive | None = screw,
+            load: ActuatorLoad = load,
+        ) -> bool:
+            drive = combined(motor, Drive(gear_ratio=ratio), screw)
+            return bool(size_drives(load, drive_table([drive])).feasible)
 
         if item.low is None or item.high is None or item.scanned:
             continue
