@@ -20,10 +20,9 @@ from paminsa_viz.explorer.features.pose.tab import (
 )
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
 from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
-from paminsa_viz.explorer.kit.text import note
+from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.units import fixed
 
 
 def requirements_html(state: State) -> str:
@@ -44,10 +43,8 @@ def springs_html(frame: Frame) -> str:
     held = relieved(frame.state, frame.torques)
     if held is None:
         return ""
-    of_torque, of_force = decimals(frame.configuration.geometry)
-    torques = ", ".join(fixed(float(value), of_torque) for value in held[:3])
-    text = f"With the springs: τ₁ to τ₃ {torques} N·m, F₄ {fixed(float(held[3]), of_force)} N"
-    return note("with-springs", text)
+    digits = decimals(frame.configuration.geometry)
+    return render("springs/strip.j2", torques=held.tolist(), decimals=digits)
 
 
 def strip_html(frame: Frame) -> str:

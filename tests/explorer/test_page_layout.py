@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from paminsa_viz.explorer.browser.style import NARROWEST, style_html
@@ -33,8 +34,10 @@ from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import ElasticJob
 from paminsa_viz.explorer.state.synthesis import SearchResult
+from paminsa_viz.explorer.strip import strip_html
 from paminsa_viz.explorer.tabs import WORKSPACES, answers, sections
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
+from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.case import Regime
@@ -202,12 +205,19 @@ def answered() -> State:
     return ALONG_MOTION.deliver(state, solve(find_loads, analysis))
 
 
-WIDER = """() => [...document.querySelectorAll("section")].flatMap(section =>
-  [...section.querySelectorAll("*")]
-    .filter(one => one.getBoundingClientRect().right > section.getBoundingClientRect().right + 0.5)
-    .filter(one => !one.parentElement.closest(".pv-scrolled"))
+WIDER = """() => [...document.querySelectorAll("section")].flatMap(section => {
+  const end = section.getBoundingClientRect().right + 0.5;
+  const range = document.createRange();
+  const right = one => {
+    range.selectNodeContents(one); // its texts, which may be wider than it
+    return Math.max(one.getBoundingClientRect().right, range.getBoundingClientRect().right);
+  };
+  return [...section.querySelectorAll("*")]
+    .filter(one => right(one) > end)
+    .filter(one => !one.closest(".pv-scrolled"))
     .slice(-1)
-    .map(one => `${section.id}: ${one.innerText}`))"""
+    .map(one => `${section.id}: ${one.outerHTML}`);
+})"""
 """What of each section is wider than it, by the innermost of it; without what can be scrolled."""
 
 
@@ -239,20 +249,29 @@ def test_no_text_or_table_is_wider_than_the_narrowest_dock(browser: Browser) -> 
         for one, letter in ((state.document.design, "W"), (state.document.reference, "M"))
     )
     named = actions.change_document(state, design=design, reference=reference)
+    numbers = {path: design.value(path) for path in PARAMETER}
+    other = actions.pin_appendix(actions.vary(state, {
+        path: value * (1.0123456 if path.startswith("geometry") else 0.1123456)
+        for path, value in numbers.items()
+        if path.startswith(("geometry", "links", "inertias")) and np.isfinite(value)
+    }))  # fmt: skip
     missing = {answer.key for _, answer in answers() if not answer.exists(state)}
     assert missing == {"balance.tornado_answer", "identify.excited_answer"}  # a line and a chart
     tables = {path: section.entries() for path, section in sections().items()}
+    tables |= {"comparison": [COMPARISON], "strip": [Html("strip", content=strip_html)]}
     texts = {}
-    for name, shown in (("all", state), ("crossed", crossed), ("named", named)):
+    shown_states = {"all": state, "crossed": crossed, "named": named, "other": other}
+    for name, shown in shown_states.items():
         frame = compute(shown)
-        for path, entries in (*tables.items(), ("comparison", [COMPARISON])):
+        for path, entries in tables.items():
             texts[f"{path}, {name}"] = "".join(
                 one.content if isinstance(one.content, str) else one.content(frame)
                 for one in pages(entries, shown)
             )
     assert len([text for text in texts.values() if "<table" in text]) >= 20
     content = "".join(
-        f'<section id="{key}" style="width: {NARROWEST}px">{text}</section>'
+        f'<section id="{key}" style="width: {NARROWEST}px" data-paminsa-mark="{key.split(",")[0]}">'
+        f"{text}</section>"
         for key, text in texts.items()
     )
     page = browser.new_context().new_page()

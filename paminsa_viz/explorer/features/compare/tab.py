@@ -70,7 +70,7 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
         return note("differences", "No number differs.", muted=True)
     head = counted(len(table.rows), "number differs", "numbers differ")
     shown = replace(table.columns(0, 3, 4, 5, hint=1), head=(head, title, "current", "change"))
-    return blocks_html("differences", shown, bold=[2])
+    return blocks_html("differences", shown, look="pv-tight", bold=[2])
 
 
 def _names(frame: Frame) -> str:
