@@ -19,6 +19,9 @@ FRONT = "front"
 
 MAX_BARS = 14
 
+ROUNDING = 1e-9
+"""Torques at rest below this share of the largest dynamic one are what rounding leaves of none."""
+
 OUTPUT_LABELS = ("M_p2", "peak, static", "RMS, static", "peak, dynamic", "RMS, dynamic")
 """The outputs of the sensitivity on the page, in the order of `OUTPUTS`."""
 
@@ -33,10 +36,16 @@ def shown_front(state: State) -> tuple[ParetoFront, int | None] | None:
 
 def front_figure(front: ParetoFront, chosen: int | None) -> Tree:
     """Return the figure of a Pareto front with the point that is worked on marked."""
-    x, y = ([getattr(p, name) for p in front.points] for name in ("first", "second"))
+    largest = max(front.before[0], *(p.first for p in front.points))
+
+    def at_rest(torque: float) -> float:
+        return torque if torque > ROUNDING * largest else 0.0
+
+    x, y = [p.first for p in front.points], [at_rest(p.second) for p in front.points]
+    rest = at_rest(front.before[1])
     hover = "dynamic %{x:.4~g} N·m<br>static %{y:.4~g} N·m<extra></extra>"
     before = {
-        "type": "scatter", "mode": "markers", "x": [front.before[0]], "y": [front.before[1]],
+        "type": "scatter", "mode": "markers", "x": [front.before[0]], "y": [rest],
         "name": "design before", "marker": {"size": 11, "color": REFERENCE, "symbol": "x"},
         "hovertemplate": f"before: {hover}",
     }  # fmt: skip
@@ -47,7 +56,9 @@ def front_figure(front: ParetoFront, chosen: int | None) -> Tree:
         [optimal, before], "peak dynamic torque [N·m]", "peak static torque [N·m]", meta=FRONT,
         legend=legend,
     )  # fmt: skip
-    shown["layout"]["yaxis"]["rangemode"] = "tozero"
+    # Of a balanced robot all are zero: beside the dynamic torques, not beside each other.
+    above = {"rangemode": "tozero"} if any((*y, rest)) else {"range": [0, largest]}
+    shown["layout"]["yaxis"] |= above
     return shown
 
 

@@ -168,3 +168,15 @@ def test_a_balance_is_of_the_design_that_it_made() -> None:
     assert balancing.OPTIMUM.changes(balancing.change_settings(after, max_added=3.0)) == ()
     heavier = actions.vary(after, {"platform.mass": 3.0})
     assert "masses" in balancing.OPTIMUM.changes(heavier)
+
+
+def test_torques_of_a_balanced_robot_are_zero_on_the_front_and_not_what_rounding_leaves() -> None:
+    point = SimpleNamespace(first=1.8, second=4.8e-16)
+    front: Any = SimpleNamespace(points=(point,), before=(1.9, 5.1e-16))
+    shown = front_figure(front, None)
+    assert [trace["y"] for trace in shown["data"]] == [[0.0], [0.0]]
+    assert shown["layout"]["yaxis"]["range"] == [0, 1.9]
+    loaded: Any = SimpleNamespace(points=(point,), before=(1.9, 5.1))
+    shown = front_figure(loaded, None)
+    assert [trace["y"] for trace in shown["data"]] == [[0.0], [5.1]]
+    assert "range" not in shown["layout"]["yaxis"]
