@@ -62,3 +62,16 @@ def test_a_search_whose_result_is_lost_is_offered_again() -> None:
 
 def test_without_anything_that_ran_nothing_is_offered() -> None:
     assert restartable(reloaded(initial_state())) == {}
+
+
+def test_a_front_and_a_sensitivity_that_are_lost_are_offered_again_and_a_balance_is_not() -> None:
+    """The masses that a balance found are those of the design, which is kept."""
+    found = Outcome[Any, Any](job=None, result=object())
+    failed = Outcome[Any, Any](job=None, error=InvalidInput("design", "there is no such one"))
+    start = initial_state()
+    both = start.updated("balance", front=found, tornado=found, outcome=found)
+    assert list(restartable(reloaded(both))) == ["Pareto front", "Sensitivity", "Leave it"]
+    again = started_again(reloaded(start.updated("balance", front=found)), "Pareto front")
+    assert again.balance.running is not None
+    assert again.balance.running.task is BalanceKind.FRONT
+    assert restartable(reloaded(start.updated("balance", front=failed, outcome=found))) == {}

@@ -64,9 +64,8 @@ def task_name(place: str, kind: str) -> str:
 def unkept_tasks(state: State) -> Iterator[str]:
     """Yield the names of the tasks that a reload ends, or whose results it loses."""
     for place in TASKS:
-        part = attrgetter(place)(state)
-        if part.running is not None or part.result is not None:
-            yield task_name(place, part.kind)
+        for kind in attrgetter(place)(state).unkept:
+            yield task_name(place, kind)
 
 
 LONGEST_OFFER = 20_000

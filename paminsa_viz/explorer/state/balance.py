@@ -262,6 +262,17 @@ class BalanceState(TaskState[BalanceJob, Balanced]):
         return "" if self.running is None else self.running.task.name
 
     @property
+    def unkept(self) -> tuple[str, ...]:
+        """Kinds of the jobs that a reload ends, or whose results it loses.
+
+        The masses of an optimum are those of the design, which is kept.
+        """
+        found = {BalanceKind.FRONT: self.front, BalanceKind.SENSITIVITY: self.tornado}
+        lost = [kind for kind, one in found.items() if one is not None and one.result is not None]
+        running = () if self.running is None else (self.running.task,)
+        return tuple(kind.name for kind in dict.fromkeys((*running, *lost)))
+
+    @property
     def points(self) -> tuple[Design, ...]:
         """Designs of the points of the last front."""
         found = None if self.front is None else self.front.result

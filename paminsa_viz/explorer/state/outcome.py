@@ -64,6 +64,11 @@ class TaskState(Generic[Job, Result]):
         """Which of several kinds of jobs runs; empty at a place for jobs of one kind."""
         return ""
 
+    @property
+    def unkept(self) -> tuple[str, ...]:
+        """Kinds of the jobs that a reload ends, or whose results it loses."""
+        return (self.kind,) if self.running is not None or self.result is not None else ()
+
     def runs(self, ticket: int) -> bool:
         """Whether a run is the one that is wanted."""
         return self.running is not None and self.ticket == ticket
