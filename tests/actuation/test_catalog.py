@@ -135,7 +135,7 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (f"{HEAD}\ngear,two,x,,,,,,,0,0.9,", 2, "gear_ratio", "above 0"),
         (f"{HEAD}\nscrew,two,x,,,,,,,,,", 2, "lead", "lead_mm"),
         ("x" * (LARGEST_CATALOG + 1), None, "", "is larger than 5 MB"),
-        ("\n".join([HEAD, *[MOTOR] * MOST_ROWS]), None, "", f"has more than {MOST_ROWS} rows"),
+        ("\n".join([HEAD, *[MOTOR] * MOST_ROWS]), None, "", f"has more than {MOST_ROWS:,} rows"),
         (f'{HEAD}\nmotor,"one', None, "", "is no CSV: "),
         (HEAD.replace("envelope_rpm_Nm", "envelop_rpm_Nm"), 1, "envelop_rpm_Nm", "envelope_rpm_Nm"),
         (f"{HEAD}\n{MOTOR.replace('one', BELL)}", 2, "name", "one line of printable text"),
