@@ -16,10 +16,14 @@ from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.statics import BODIES
 from paminsa_viz.units import format_ascii
 
 WIDER = 100.0
-"""How far bounds are widened to see which would have to move [kg]."""
+"""How far bounds are widened to see which would have to move, at least [kg]."""
+
+WIDER_TIMES = 10.0
+"""The same over what joints and links of a leg weigh, for robots heavier than Appendix 4's."""
 
 LARGEST = 1e12
 """Largest weight of a goal, and largest limit."""
@@ -278,7 +282,8 @@ def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]
     low = np.array([variable.low for variable in space.variables])
     high = np.array([variable.high for variable in space.variables])
     outside = deviations(space, low, high)
-    wide = tuple(replace(c, low=0.0, high=c.high + WIDER) for c in space.variables)
+    wider = max(WIDER, WIDER_TIMES * sum(map(space.design.value, BODIES)))
+    wide = tuple(replace(c, low=0.0, high=c.high + wider) for c in space.variables)
     widened = replace(program, variables=wide, goals=((1.0, outside),), scale=1.0)
     try:
         found = solve(widened, tolerance=1e-8)

@@ -33,7 +33,7 @@ from paminsa_viz.balancing import (
     tornado,
 )
 from paminsa_viz.balancing.changes import MOST, mass_space
-from paminsa_viz.balancing.optimum import LARGEST, WIDER
+from paminsa_viz.balancing.optimum import LARGEST, WIDER, WIDER_TIMES
 from paminsa_viz.balancing.paper_balance import (
     MASSES_IN_MP2,
     MOST_ADDED,
@@ -109,7 +109,8 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     sentences = [
         f"each only upward and by {MOST_ADDED:g} kg at most, in a heavier robot by "
         f"{MOST_TIMES:g} times what they weigh together on a leg",
-        f"least movement, by up to {WIDER:g} kg, would do",
+        f"least movement, by up to {WIDER:g} kg, in a heavier robot by {WIDER_TIMES:g} times what "
+        "joints and links of a leg weigh, would do",
     ]
     assert missing("balancing", sentences) == []
 

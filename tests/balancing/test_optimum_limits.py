@@ -25,6 +25,7 @@ from paminsa_viz.balancing import (
     Term,
     TrajectoryPeak,
     TrajectoryRms,
+    balance,
     beyond,
     optimize,
 )
@@ -39,6 +40,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.trajectory import solve_trajectory
 from tests.balancing.robots import changes, field, measured, solved, trajectory, workspace
+from tests.support.samples import prototype_times
 
 
 @pytest.mark.slow
@@ -187,6 +189,19 @@ def test_an_infeasible_limit_is_reported_with_the_other_limits_kept() -> None:
     assert torque > 1.01 * optimize(APPENDIX_4, changes(0.2), peak).objective
     least = optimize(APPENDIX_4, changes(0.2), added, limits=[(peak, 0.0)]).objective
     assert mass == pytest.approx(least, rel=1e-7)
+
+
+def test_a_heavy_robot_is_told_the_bound_that_would_do_as_the_prototype_is() -> None:
+    """Of five times the lengths and 125 times the masses; the bound then needs some 300 kg."""
+    for size, least in ((1.0, 1.0), (5.0, 125.0)):
+        robot, place = prototype_times(size), beyond("b3", 7, 0.1, 0.5)
+        with pytest.raises(InfeasibleBounds) as caught:
+            balance(robot, Changes((), (place,)), AddedMass(), exact=True)
+        (moved,) = caught.value.relax
+        assert (moved.name, moved.side) == (place.name, "high")
+        assert least < moved.needed < 5 * least
+        wide = replace(place, high=1.001 * moved.needed)
+        assert abs(static_imbalance(balance(robot, Changes((), (wide,)), AddedMass()).after)) < 1e-6
 
 
 EXTREMES = st.sampled_from([0.0, 1e-300, 1e-12, 0.1, 1.0, 50.0, 1e4, 1e308, np.nan])

@@ -50,6 +50,10 @@ class FreeMasses(Enum):
     NONE = "none"
 
 
+LONGEST_LEVER, LARGEST_MASS = 1.0, 1e4
+"""What can be typed [m, kg]; a robot five times as long as the prototype is 125 times as heavy."""
+
+
 @dataclass(frozen=True)
 class CounterweightSlot:
     """A place for counterweights: beyond an end joint of a bar.
@@ -88,7 +92,7 @@ class BalanceSettings(Settings):
     max_increase: float = setting(
         5.0, "Max increase [kg]",
         "By how much each of them may grow; a link's inertia grows in proportion",
-        range=(0.0, 100.0), step=0.001,
+        range=(0.0, LARGEST_MASS), step=0.001,
     )  # fmt: skip
     max_decrease: float = setting(
         0.0, "Max decrease [%]", "By what part each of them may shrink", range=(0.0, 1.0),
@@ -104,7 +108,7 @@ class BalanceSettings(Settings):
         0.0, "Max added [kg]",
         "Largest added mass of the whole robot, for goals on the motion and for the front; "
         "0: no limit",
-        range=(0.0, 1e3), step=0.001,
+        range=(0.0, 10 * LARGEST_MASS), step=0.001,
     )  # fmt: skip
     variation: float = setting(
         0.05, "Variation ± [%]", "Of every mass and length, one at a time", range=(0.001, 0.5),
@@ -130,7 +134,9 @@ class BalanceSettings(Settings):
     @property
     def possible(self) -> bool:
         slots = (self.slot_b8, self.slot_b3)
-        lever_and_mass = all(0 <= s.max_lever <= 1 and 0 <= s.max_mass <= 100 for s in slots)
+        lever_and_mass = all(
+            0 <= s.max_lever <= LONGEST_LEVER and 0 <= s.max_mass <= LARGEST_MASS for s in slots
+        )
         return lever_and_mass and 0 <= self.motion_weight <= 1
 
     @property

@@ -175,6 +175,16 @@ def test_ends_of_a_range_are_possible_and_no_number_beyond_them(panel: str, stat
                 assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
 
 
+def test_masses_of_a_robot_five_times_as_long_can_be_typed(state: State) -> None:
+    entries = {entry.key: entry for panel in PANELS.values() for entry in inputs_in(panel)}
+    assert entries["balance.max_increase"].parse(state, 400.0) == 400.0
+    assert entries["balance.max_added"].parse(state, 5000.0) == 5000.0
+    value = entries["balance.slot_b3"].parse(state, (500.0, 400.0))
+    settings = entries["balance.slot_b3"].apply(state, value).balance.settings
+    assert settings.possible
+    assert settings.slot_b3.max_mass == 400.0
+
+
 @pytest.mark.parametrize(
     ("key", "value"),
     [

@@ -27,6 +27,8 @@ from paminsa_viz.explorer.kit.robot_texts import gauge_html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import note
 from paminsa_viz.explorer.state.balance import (
+    LARGEST_MASS,
+    LONGEST_LEVER,
     SLOTS,
     BalanceKind,
     BalanceSettings,
@@ -60,7 +62,7 @@ def _slot(name: str, bar: str, joint: int) -> Pair:
 
     return Pair(
         f"balance.{name}", f"{bar.upper()} past {joint}", read=read, apply=apply,
-        range=((0.0, 1.0), (0.0, 100.0)), units=(MILLIMETERS, PLAIN),
+        range=((0.0, LONGEST_LEVER), (0.0, LARGEST_MASS)), units=(MILLIMETERS, PLAIN),
         hint=f"Counterweight on each leg, on {bar.upper()} beyond joint {joint}: longest lever, "
         "largest mass (0 for none)",
     )  # fmt: skip
