@@ -144,9 +144,13 @@ def random_motions(
     if not found:
         at_rest = info.at(info.states(np.zeros(info.family.size))).room[0]
         names = (*LIMITED, *(LIMITED[-1],) * 11)
-        failed = names[int(np.argmin(np.nan_to_num(at_rest, nan=-np.inf)))]
+        place = int(np.argmin(np.nan_to_num(at_rest, nan=-np.inf)))
+        # what is left of reach and height is a share of a length, of all others one of the limit
+        times = 1.0 - at_rest[place] if place < len(LIMITED) - 2 else np.nan
+        by = f", {times:.3g} times as large" if np.isfinite(times) else ""
         raise NoExcitation(
-            f"no motion about home keeps the limits: the {failed} is beyond its limit at rest there"
+            f"no motion about home keeps the limits: the {names[place]} is beyond its limit "
+            f"at rest there{by}"
         )
     return np.concatenate(found)
 

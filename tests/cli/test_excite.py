@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model import APPENDIX_4, actuator_velocity
+from paminsa_viz.model import APPENDIX_4, actuator_velocity, static_torques
+from paminsa_viz.trajectory import preset_center
 from tests.support.commands import run, run_json
 
 SHORT = ("--evaluations", "5", "--period", "6")
@@ -48,4 +49,5 @@ def test_table_for_people_names_every_limit(capsys) -> None:
 def test_wrong_limits_are_refused(capsys) -> None:
     code, out, err = run("excite", capsys, *SHORT, "--max-force", "50")
     assert (code, out) == (1, "")
-    assert "force of M4 is beyond its limit at rest" in err
+    held = static_torques(APPENDIX_4, preset_center(APPENDIX_4.geometry))[3]
+    assert f"force of M4 is beyond its limit at rest there, {held / 50:.3g} times as large" in err
