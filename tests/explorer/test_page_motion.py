@@ -15,6 +15,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.plots.map_values import frame_half
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze, load_kernel
+from paminsa_viz.units import number
 from tests.support.chromium import PIXEL, Tab, until
 
 pytestmark = pytest.mark.browser
@@ -54,6 +55,25 @@ def motion(tab: Tab) -> Tab:
     until(lambda: len(curves(tab)) == 2, "two charts")
     until(lambda: "circle" in tab.page.inner_text("body"), "the caption")
     return tab
+
+
+AXES = """values => Object.values(window.__viserTestpoints.uplots).map(
+  ({chart}) => chart.axes.map(axis => axis.values(chart, values)))"""
+
+
+def test_axes_of_charts_have_the_numbers_of_the_page(motion: Tab) -> None:
+    """Whatever the browser's language; uPlot's own are 13,200 and -3."""
+    values = (0.1 + 0.2, -3.0, 0.0, -13200.0, 250000.0, 1e6, -2.5e-7, -500.5)
+    words = [number(value) for value in values]
+    assert words[:4] == ["0.3", "−3", "0", "−13200"]
+    until(lambda: motion.page.evaluate(AXES, values) == [[words, words]] * 2, "the numbers", 10)
+    written = motion.page.evaluate(
+        """() => Object.values(window.__viserTestpoints.uplots).map(
+          ({chart}) => chart.axes.map(axis => axis._values))"""
+    )
+    texts = [text for chart in written for axis in chart for text in axis if text]
+    assert any(text.startswith("−") for text in texts)
+    assert not any("-" in text or "," in text for text in texts)
 
 
 def test_robot_cursors_and_numbers_are_at_the_chosen_instant(motion: Tab) -> None:

@@ -87,8 +87,8 @@ class Bridge:
         self._inbox.on_update(self._receive)
         self._run = _script_channel(client)
         if self._run is not None:
-            # before there is anything that is marked, or a button
-            for name in ("marks.js", "units.js", "hints.js"):
+            # before there is anything that is marked, a button, or a chart
+            for name in ("marks.js", "units.js", "hints.js", "axes.js"):
                 self._run(asset(name))
         self.on("missing", _report_missing)
 
