@@ -21,14 +21,20 @@ from paminsa_viz.plots.hover import FONT
 FARTHEST_CLICK = 0.15
 """Largest distance of a click from its point, as a part of the front's width and height."""
 
+WRITTEN_OUT = 1e-5, 3e4
+"""Steps of an axis whose numbers are written out, without a power of ten."""
+
 AXIS: dict[str, Any] = {
+    # Plotly would write 20k and 0.5μ, beside the unit.
+    "exponentformat": "power",
+    "tickformatstops": [{"dtickrange": list(WRITTEN_OUT), "value": "~f"}],
     "fixedrange": True, "gridcolor": "#e4e8ec", "zerolinecolor": "#b9c1c9", "linecolor": MUTED,
     "ticks": "outside", "tickcolor": MUTED, "automargin": True,
 }  # fmt: skip
 
 LAYOUT: dict[str, Any] = {
     "font": {"family": FONT, "size": 12, "color": INK},
-    "dragmode": False, "hovermode": "closest",
+    "dragmode": False, "hovermode": "closest", "separators": ".",  # none between thousands
     "margin": {"l": 8, "r": 26, "t": 8, "b": 8}, "showlegend": True,
     "paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)",
     "legend": {"x": 1, "y": 1, "xanchor": "right", "bgcolor": "rgba(255,255,255,0.7)"},

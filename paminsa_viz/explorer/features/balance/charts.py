@@ -43,7 +43,7 @@ def front_figure(front: ParetoFront, chosen: int | None) -> Tree:
 
     x, y = [p.first for p in front.points], [at_rest(p.second) for p in front.points]
     rest = at_rest(front.before[1])
-    hover = "dynamic %{x:.4~g} N·m<br>static %{y:.4~g} N·m<extra></extra>"
+    hover = "dynamic %{x:.4~r} N·m<br>static %{y:.4~r} N·m<extra></extra>"
     before = {
         "type": "scatter", "mode": "markers", "x": [front.before[0]], "y": [rest],
         "name": "design before", "marker": {"size": 11, "color": REFERENCE, "symbol": "x"},
@@ -93,8 +93,9 @@ def tornado_figure(tornado: Tornado, output: int) -> Tree:
             {
                 "type": "bar", "orientation": "h", "name": f"{sign}{percent} %",
                 "x": [end - base for end, base in zip(ends, bases, strict=True)],
-                "y": names, "base": bases, "marker": {"color": color}, "customdata": ends,
-                "hovertemplate": f"%{{y}} {sign}{percent} %: %{{customdata:.5~g}} {unit}"
+                "y": names, "base": bases, "marker": {"color": color},
+                "customdata": [number(end, 5) for end in ends],
+                "hovertemplate": f"%{{y}} {sign}{percent} %: %{{customdata}} {unit}"
                 "<extra></extra>",
             }
         )  # fmt: skip

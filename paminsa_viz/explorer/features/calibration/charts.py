@@ -50,11 +50,11 @@ def residual_figure(found: Calibration) -> Tree:
                 "showlegend": not axis, "x": number[chosen].tolist(), "y": sizes[chosen].tolist(),
                 "yaxis": f"y{axis}", "xaxis": "x", "cliponaxis": False,
                 "marker": {"color": color, "size": 6, "symbol": symbol, "opacity": 1},
-                "hovertemplate": f"pose %{{x}}, {name}: %{{y:.3~g}} {unit}<extra></extra>",
+                "hovertemplate": f"pose %{{x}}, {name}: %{{y:.3~r}} {unit}<extra></extra>",
             }  # fmt: skip
             data.append(trace)
     legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
     shown = figure(data, "measured pose", "position [µm]", "heading [″]", legend=legend)
     for axis in ("yaxis", "yaxis2"):
-        shown["layout"][axis] |= {"type": "log", "exponentformat": "power", "dtick": 1}
+        shown["layout"][axis] |= {"type": "log", "tickformatstops": [], "dtick": 1}
     return shown

@@ -22,7 +22,7 @@ from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
 MOST_POINTS = 600
 """About how many samples of a motion are drawn."""
 
-HOVER = "%{x:.0f} rpm, %{y:.3~g} N·m<extra></extra>"
+HOVER = "%{x:.0f} rpm, %{y:.3~r} N·m<extra></extra>"
 
 
 class Plotted(NamedTuple):

@@ -15,7 +15,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Limit
 from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.plots.series import thinned
-from paminsa_viz.units import MM
+from paminsa_viz.units import MM, number
 
 PER_PIECE = 16
 """Points drawn between two forces on a bar."""
@@ -46,11 +46,12 @@ def section_figure(at: Instant, bar: str, leg: int) -> Tree:
     data: list[Tree] = [
         {
             "type": "scatter", "mode": "lines", "x": (MM * s).tolist(), "y": values.tolist(),
-            "yaxis": f"y{number}", "fill": "tozeroy", "fillcolor": f"{LEG_COLORS[leg]}22",
+            "yaxis": f"y{axis}", "fill": "tozeroy", "fillcolor": f"{LEG_COLORS[leg]}22",
             "line": {"color": LEG_COLORS[leg], "width": 1.5},
-            "hovertemplate": f"{name} = %{{y:.3~g}} {unit}<extra></extra>",
+            "hovertemplate": f"{name} = %{{customdata}} {unit}<extra></extra>",
+            "customdata": [number(value, 3) for value in values.tolist()],
         }
-        for number, name, unit, values in zip(
+        for axis, name, unit, values in zip(
             NUMBERS, COMPONENTS, UNITS, loads.at(s)[leg].T, strict=True
         )
     ]  # fmt: skip
@@ -75,7 +76,7 @@ def curves_figure(loads: MotionLoads, joint: str) -> Tree:
         {
             "type": "scatter", "mode": "lines", "name": f"leg {leg + 1}", "x": t[kept].tolist(),
             "y": force[kept, leg].tolist(), "line": {"color": color, "width": 1.5},
-            "hovertemplate": "%{y:.3~g} N at %{x:.3~f} s",
+            "hovertemplate": "%{y:.3~r} N at %{x:.3~f} s",
         }
         for leg, color in enumerate(LEG_COLORS)
     ]  # fmt: skip

@@ -44,7 +44,7 @@ def front_figure(front: DesignFront, chosen: int) -> Tree:
         titles.append(symbols_html(objective.label) + unit)
     trace = front_trace(
         x, y, chosen, showlegend=False,
-        hovertemplate="%{x:.4~g}<br>%{y:.4~g}<extra></extra>",
+        hovertemplate="%{x:.4~r}<br>%{y:.4~r}<extra></extra>",
     )  # fmt: skip
     return figure([trace], *titles, meta=DESIGN_FRONT)
 

@@ -65,6 +65,9 @@ def test_tables_are_those_of_the_pose_and_the_leg() -> None:
     data = chart.section_figure(*known(chart.shown_section(state)))["data"]
     assert [trace["yaxis"] for trace in data] == ["y", "y2", "y3"]
     assert data[0]["x"][-1] > 100
+    for trace in data:  # under the mouse as everywhere else, with a true minus sign
+        assert trace["customdata"] == [number(value, 3) for value in trace["y"]]
+        assert "%{customdata}" in trace["hovertemplate"]
 
 
 def test_poses_without_numbers_say_why() -> None:
@@ -79,6 +82,16 @@ def test_poses_without_numbers_say_why() -> None:
         assert chart.shown_section(changed) is None
         with pytest.raises(InvalidInput, match="pose"):
             tab.file(changed, "Joints")
+
+
+def test_axes_of_charts_have_no_commas_and_no_prefixes_beside_the_unit() -> None:
+    """What Plotly makes of this is seen in a browser: 20000 and −2×10⁶, not 20k or −2M."""
+    layout = figure([], "t [s]", "F [N]", "M [N·m]")["layout"]
+    assert layout["separators"] == "."
+    for axis in ("xaxis", "yaxis", "yaxis2"):
+        assert layout[axis]["exponentformat"] == "power"
+        (stop,) = layout[axis]["tickformatstops"]
+        assert stop == {"dtickrange": [1e-5, 3e4], "value": "~f"}
 
 
 def test_a_motion_that_is_followed_shows_its_instant() -> None:
