@@ -28,6 +28,13 @@ def planned(state: State) -> Planned:
     return planning.planned(document.motion, document.design)
 
 
+def no_motion(state: State) -> InvalidInput:
+    """Return the error that there is no motion, under the name of what is wrong with it."""
+    problem = planned(state).problem
+    name, colon, rest = problem.partition(": ")
+    return InvalidInput(name, rest) if colon and name.isalpha() else InvalidInput("motion", problem)
+
+
 def duration(state: State) -> float:
     """Return how long the motion lasts [s], 0 if there is none."""
     trajectory = planned(state).trajectory
@@ -159,7 +166,7 @@ def play(state: State) -> State:
     """
     found = planned(state)
     if found.trajectory is None:
-        raise InvalidInput("motion", found.problem)
+        raise no_motion(state)
     playback = started(state.playback, found.trajectory.duration)
     return show_time(_with_path(replace(state, playback=playback)), playback.time)
 

@@ -246,7 +246,7 @@ def _motion_results(state: State) -> MotionResults:
     # A store of its own: the session's belongs to its worker.
     found = MotionStore().all(state)
     if found is None:
-        raise InvalidInput("motion", motions.planned(state).problem)
+        raise motions.no_motion(state)
     return found
 
 

@@ -93,7 +93,7 @@ class Recorder:
         state = replace(session.state, appearance=Appearance.LIGHT)
         found = MotionStore().all(state)
         if found is None:
-            raise InvalidInput("motion", motions.planned(state).problem)
+            raise motions.no_motion(state)
         first = found.analysis.check.first
         if first is not None:
             raise InvalidInput("motion", f"it fails {first.explanation}")

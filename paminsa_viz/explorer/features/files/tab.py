@@ -68,13 +68,17 @@ def _download(session: Session) -> None:
     session.client.send_file_download(name, text.encode(), save_immediately=True)
 
 
+_STAY = "those of before stay"
+"""Said of requirements where a design is opened that has none."""
+
+
 def _open(session: Session, name: str, content: bytes) -> None:
     found = uploaded_content(name, content)
 
     def say() -> None:
         text = found.design.name or name
         if found.requirements is None and asked(session.state.document.requirements):
-            text += "; the file has no requirements, those of before stay"
+            text += f"; the file has no requirements, {_STAY}"
         session.notify("Design opened", text, of_step=True)
 
     session.dispatch("file.open", lambda state: open_content(state, found), then=say)
@@ -106,12 +110,14 @@ def gallery_html() -> str:
 
 def receive_example(session: Session, data: Any) -> None:
     """Open the example that was pressed; ``data`` comes from the page."""
-    key = str(data)[:40]
+    key, before = str(data)[:40], session.state.document.requirements
 
     def show() -> None:
-        found = example_named(key)
+        found, text = example_named(key), ""
+        if asked(before) and session.state.document.requirements == before:
+            text = f" It has no requirements, {_STAY}."
         session.open_tab(found.opens)
-        session.notify(f"Example opened: {found.label}", found.note, of_step=True)
+        session.notify(f"Example opened: {found.label}", found.note + text, of_step=True)
 
     session.dispatch("file.open", lambda state: open_example(state, key), then=show)
 

@@ -134,6 +134,20 @@ def test_it_is_said_that_requirements_stay_where_a_file_has_none(desk: Desk) -> 
     assert not any("requirements" in text for _, text in desk.notices)
 
 
+def test_it_is_said_that_requirements_stay_where_an_example_has_none(desk: Desk) -> None:
+    receive_example(desk.session, "masses")
+    desk.noticed("Example opened")
+    assert not any("before stay" in text for _, text in desk.notices)
+    desk.dispatch(lambda s: actions.change_document(s, requirements=CONDITION))
+    receive_example(desk.session, "appendix-4")
+    desk.noticed("It has no requirements, those of before stay.")
+    assert desk.session.state.document.requirements == CONDITION
+    desk.notices.clear()
+    receive_example(desk.session, "compact")  # which has its own
+    desk.noticed("Compact robot")
+    assert not any("before stay" in text for _, text in desk.notices)
+
+
 def test_design_without_a_name_is_called_after_its_file(desk: Desk) -> None:
     upload(desk, "light arms.toml", b"schema_version = 1\n[links]\nb3_kg = 0.25\n")
     desk.until(lambda: desk.design.name == "light arms")

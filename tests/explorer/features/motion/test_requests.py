@@ -77,6 +77,13 @@ def test_robot_is_at_the_pose_of_the_chosen_instant(key: str, knee: KneeBranch) 
         assert state.document.pose == state.last_reachable.pose
 
 
+def test_playing_no_motion_says_once_what_is_missing() -> None:
+    state = motions.choose_kind(initial_state(), Kind.WAYPOINTS)
+    with pytest.raises(InvalidInput) as caught:
+        motions.play(state)
+    assert str(caught.value) == "waypoints: two or more are needed; move the robot and add them"
+
+
 def test_choice_of_a_motion_shows_its_path_and_does_not_move_the_robot() -> None:
     start = initial_state()
     chosen = motions.choose_preset(start, "circle")
