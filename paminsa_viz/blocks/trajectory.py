@@ -174,7 +174,7 @@ def crossings_table(analysis: TrajectoryAnalysis) -> Table:
                 format_value(inertia, "kg m^2", 3),
             )
         )
-    head = ("", "At", "Force along t_s", *ACTUATORS, "Inertia along t_s")
+    head = ("", "At", "Generalized force along t_s", *ACTUATORS, "Inertia along t_s")
     text = (
         "Crossings of singularities and the torques in the limit. There the actuators have no "
         "authority along the escape twist t_s: what the model does not know of moves the platform "
@@ -200,7 +200,7 @@ def passages_blocks(design: Design, plan: TimeOptimalPlan) -> list[Table | Note]
         )
         for item in plan.crossings
     ]
-    head = ("", "s", "ṡ", "Least ṡ", "Largest ṡ", "Force along t_s", "Quintic law")
+    head = ("", "s", "ṡ", "Least ṡ", "Largest ṡ", "Generalized force along t_s", "Quintic law")
     caption = (
         "Passages of the path s = 0 to 1, with the speeds that the limits allow, and what the "
         "quintic law in the same time would need of M1 to M3 at 1 kHz."

@@ -67,7 +67,8 @@ class Excite(JsonFlags, DesignFlags):
     """Limit of the force of M4 [N]; by default that of its drive, and 1000 without one."""
     max_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="RAD/S")] = None
     """Limit of the speed of M1, M2 and M3 [rad/s], not of the platform's as in paminsa-viz
-    trajectory; by default those of their drives, and 3 without drives."""
+    trajectory; by default those of their drives, and 3 without drives. The printed limits are in
+    °/s: 3 rad/s are 172°/s."""
     max_lift_speed: Annotated[OrNone[float], tyro.conf.arg(metavar="M/S")] = None
     """Limit of the speed of M4 [m/s]; by default that of its drive, and 0.25 without one."""
     max_condition: float = 5.0

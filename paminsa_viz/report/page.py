@@ -102,7 +102,8 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     if request.log is not None:
         began("identification")
         sections.append(identification_section(investigate(request.log, request.design)))
-    began("verification")
+    if request.verified:
+        began("verification")
     found = checked(request)
     sections.append(verification_section(found))
     began("balance")

@@ -17,6 +17,7 @@ from paminsa_viz.balancing import whole_mass
 from paminsa_viz.blocks import clearance as clearance_words
 from paminsa_viz.blocks import trajectory
 from paminsa_viz.blocks.balance import mass_facts
+from paminsa_viz.blocks.kinds import Table
 from paminsa_viz.blocks.trajectory import (
     crossings_table,
     margin_text,
@@ -241,6 +242,8 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
     found = passages_blocks(APPENDIX_4, plan)
     row = ("circle", "0.5679", "1.23 1/s", "0.5 1/s", "2 1/s", "2·10⁻¹⁴ N·m", "500 N·m")
     assert cells(found[1]) == [row] * 2
+    assert isinstance(found[1], Table)
+    assert "Generalized force along t_s" in found[1].head  # which is in N·m
     assert said(found) == [
         ("Within the limits 0.372 s to 11 s are possible.", "plain"),
         ("circle: 0.1 kg more payload lets the platform drift by 5 µm and 2.1″ in 12 ms.", "warn"),

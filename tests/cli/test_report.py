@@ -23,6 +23,7 @@ def test_one_command_makes_it(folder, capsys) -> None:
     printed = capsys.readouterr()
     assert printed.out == "r.html: written\n"
     assert "torque maps ..." in printed.err
+    assert "verification ..." not in printed.err
     text = Path("r.html").read_text(encoding="utf-8")
     assert f"paminsa-viz report {words}" in text
     assert "Upper knee, pose x 30 mm" in text
