@@ -118,6 +118,28 @@ def test_pose_takes_the_number_that_is_typed_and_shows_it(
     assert tab.state.document.pose[index] == pytest.approx(10 * factor, abs=1e-12)
 
 
+BOXES = """() => [...document.querySelectorAll(
+  '[data-paminsa-mark~="number-row"][data-paminsa-mark~="slider-row"]')]
+  .filter(row => row.querySelector("label") && row.getClientRects().length)
+  .map(row => Math.round(row.querySelector("input").getBoundingClientRect().left))"""
+
+
+def test_boxes_of_sliders_stand_below_each_other_with_and_without_a_unit(tab: Tab) -> None:
+    """k has no unit. No value is over a handle: over the first one it was cut off."""
+    tab.open_tab("Lengths")
+    until(lambda: len(tab.page.evaluate(BOXES)) > 8, "the boxes", 10)
+    until(lambda: len(set(tab.page.evaluate(BOXES))) == 1, lambda: str(tab.page.evaluate(BOXES)), 5)
+    tab.open_tab("Pose")
+    (slider, *_) = [one for one in tab.page.get_by_role("slider").all() if one.is_visible()]
+    slider.hover()
+    tab.page.mouse.down()
+    seen = "() => [...document.querySelectorAll('.mantine-Slider-label')].map(e => e.offsetHeight)"
+    heights = tab.page.evaluate(seen)
+    tab.page.mouse.up()
+    assert heights
+    assert not any(heights)
+
+
 def test_the_next_box_takes_a_click_through_a_hint_and_ends_it(tab: Tab) -> None:
     typed(tab, tab.number_box(X), "1.2.3")
     hint, y = tab.page.locator(".pv-field-hint"), tab.number_box("y  [mm]")

@@ -48,6 +48,7 @@
     const { name, unit } = split(text);
     set(label, "data-paminsa-name", name);
     typeset(label, name ?? text);
-    set(field, "data-paminsa-unit", unit);
+    // Boxes of sliders stand below each other, so that one without a unit leaves its place free.
+    set(field, "data-paminsa-unit", unit ?? (field.querySelector("[role=slider]") && " "));
   });
 })();
