@@ -395,9 +395,10 @@ def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield each actuator's torque from two sources, and their difference."""
     other = sources.other
     time, torque = other.pick(sources.analysis.trajectory.t), other.pick(sources.analysis.torque)
+    known = [bool(np.isfinite(column).any()) for column in other.torque.T]
     for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
-        if np.isnan(other.torque[:, j]).all() and np.isfinite(torque[:, j]).any():
-            continue  # a table from elsewhere may lack an actuator
+        if any(known) and not known[j] and np.isfinite(torque[:, j]).any():
+            continue  # a table from elsewhere may lack an actuator; a reference that fails, all
         own = Trace("this analysis", torque[:, j], panel.color, width=1.6)
         compared = Trace(other.name, other.torque[:, j], INK, "dashed", 0.8)
         yield replace(panel, traces=(own, compared))

@@ -112,7 +112,9 @@ def draw_panel(area: Axes, data: SeriesData, panel: SeriesPanel, body: float, sm
         _draw_trace(area, data, trace, unit.factor, 3 + 0.01 * order)
     empty = not any(np.isfinite(trace.values).any() for trace in panel.traces)
     if empty:
-        area.text(0.5, 0.5, "no value: the motion fails from its start", ha="center", va="center",
+        # The caption says what else has no values, such as a reference that fails.
+        why = "" if data.until else ": the motion fails from its start"
+        area.text(0.5, 0.5, f"no value{why}", ha="center", va="center",
                   transform=area.transAxes, size=small, color=INK)  # fmt: skip
     area.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
     area.set_ylim(low, high)
@@ -338,6 +340,8 @@ def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
             continue
         equal = data.kind == "loads"  # legs are in their order
         for trace in panel.traces if equal else (*panel.traces[-1:], *panel.traces[:-1]):
+            if not np.isfinite(trace.values).any():
+                continue  # such as a reference that fails at once
             shared = colors.setdefault(trace.label, trace.color)
             color = trace.color if trace.color == shared else INK  # it has the panels' colors
             style = CROSS if trace.marks else {"lw": trace.width, "ls": DASHES[trace.dash]}

@@ -233,6 +233,27 @@ def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
     assert figure_bytes(kind, analysis, dpi=40).startswith(b"\x89PNG")
 
 
+def test_a_comparison_with_a_reference_that_fails_at_once_has_no_difference(analysis) -> None:
+    """What the motion is, is still drawn; nothing says that it fails."""
+    lengths = ("base_radius", "platform_radius", "arm_length", "shaft_length", "crank_length",
+               "coupler_length", "platform_joint_height", "guide_link_length")  # fmt: skip
+    small = {f"geometry.{name}": 0.3 * getattr(APPENDIX_4.geometry, name) for name in lengths}
+    short = APPENDIX_4.vary(small)
+    reference = analyze(short, analysis.trajectory)
+    assert not reference.summary
+    data = _series("comparison", analysis, reference=reference)
+    assert [panel.symbol for panel in data.panels] == [
+        symbol for each in series_builders.SYMBOLS for symbol in (each, f"Δ{each}")
+    ]
+    with drawing():
+        figure = draw_series(data, 170.0, 40.0, data.title, series_text.caption(data))
+        words = [text.get_text() for area in figure.axes for text in area.texts]
+    assert words.count("no value") == 4
+    assert not [text for text in words if "the motion fails" in text]
+    entries = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert entries == ["this analysis"]
+
+
 @pytest.mark.slow
 def test_a_figure_is_drawn_once_to_be_saved(analysis, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[Figure] = []
