@@ -8,6 +8,7 @@ import numpy as np
 
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.plots.contours import contour_lines
 from paminsa_viz.plots.hover import cell_at, reasons
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
@@ -88,8 +89,10 @@ def shown(name: str) -> str:
 
 
 def contours_text(data: MapData, scales: tuple[Scale, ...]) -> str:
-    """Return how far contours are apart, "" where they are not evenly spaced or differ."""
+    """Return how far contours are apart, "" where none is drawn, or not evenly or equally."""
     if len(set(scales)) > 1 or scales[0].kind != "linear" or len(scales[0].levels) < 2:
+        return ""
+    if not any(contour_lines(data, panel, scale) for panel, scale in enumerate(scales)):
         return ""
     step = data.display.format(scales[0].levels[1] - scales[0].levels[0])
     return f"Contours every {step.replace(' ', _TIE)}."

@@ -283,3 +283,12 @@ def test_a_caption_names_both_designs_of_a_difference() -> None:
     text = caption(data, per_panel(data, SCALE))
     assert "“Heavier”" in text
     assert "minus design “Appendix 4”" in text
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan], ids=["constant", "nothing"])
+def test_a_caption_names_contours_only_where_there_are_any(value: float) -> None:
+    """Torques of a balanced robot are zero everywhere."""
+    data = made_up()
+    flat = replace(data, values=np.where(np.isfinite(data.values), value, np.nan))
+    said = ["Contours every" in caption(each, choose_scales(each)) for each in (data, flat)]
+    assert said == [True, False]
