@@ -67,7 +67,12 @@ def robot(design: Design, reference: Design | None = None) -> str:
     """Return the robot that numbers belong to, as the start of a sentence."""
     numbers = "".join(f", {equals(*each)}" for each in key_numbers(design))
     words = f"PAMINSA, design {shown(design.name)}, {design.geometry.knee.label}{numbers}"
-    return f"{words}, minus design {shown(reference.name)}" if reference else words
+    return words + _minus(reference)
+
+
+def _minus(reference: Design | None) -> str:
+    """Return what a difference is to, as the end of a robot's name; "" for no difference."""
+    return f", minus design {shown(reference.name)}" if reference else ""
 
 
 def summary(data: MapData) -> str:
@@ -75,7 +80,7 @@ def summary(data: MapData) -> str:
     x, y, theta, z = data.pose
     return (
         f"{data.title or 'Map'} of PAMINSA, design {shown(data.design.name)}, "
-        f"{data.design.geometry.knee.label}, "
+        f"{data.design.geometry.knee.label}{_minus(data.reference)}, "
         f"pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
     )
 

@@ -24,7 +24,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.published_table import PublishedMap
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.plots import map_figure, map_panel
-from paminsa_viz.plots.caption import caption
+from paminsa_viz.plots.caption import caption, summary
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.plots.map_figure import render_maps
 from paminsa_viz.plots.map_layout import map_layout
@@ -281,8 +281,9 @@ def test_a_caption_says_what_circles_are_where_there_are_any(
 def test_a_caption_names_both_designs_of_a_difference() -> None:
     data = difference(real(31, design=replace(HEAVIER, name="Heavier")), real(31))
     text = caption(data, per_panel(data, SCALE))
-    assert "“Heavier”" in text
-    assert "minus design “Appendix 4”" in text
+    for each in (text, summary(data)):  # below the figure, and in the file's metadata
+        assert "“Heavier”" in each
+        assert "minus design “Appendix 4”" in each
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan], ids=["constant", "nothing"])
