@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from paminsa_viz.explorer.core import actions, motion
 from paminsa_viz.explorer.features.synthesis.actions import SEARCH
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Docks
+from paminsa_viz.explorer.tabs import add_tabs
 from paminsa_viz.model import static_torques
 from paminsa_viz.units import number
 from tests.support.chromium import Tab, until
@@ -233,6 +235,24 @@ def test_docks_follow_the_window(tab: Tab) -> None:
     tab.wait_frames(2000)
     assert np.isclose(tab.page.evaluate(VIEW), edges)
     assert tab.state.docks == Docks()
+
+
+def test_a_page_that_connects_again_shows_the_sections_that_it_showed(
+    tab: Tab, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A program that has just started is slow: meanwhile rows have their first tabs, or none."""
+
+    def add_late(gui: Any) -> Any:
+        time.sleep(1)
+        return add_tabs(gui)
+
+    tab.open_tab("Balance")
+    tab.wait_saved()
+    monkeypatch.setattr("paminsa_viz.explorer.page.add_tabs", add_late)
+    tab.cut_connection()
+    until(lambda: tab.session.built.is_set(), "all of it is there")
+    until(lambda: tab.is_open("Balance"), "the section is open again", 10)
+    assert tab.state.workspace == "Optimize"
 
 
 RIGHT_ENDS = """() => ["[data-floating-window]", "canvas[data-engine]"].map(

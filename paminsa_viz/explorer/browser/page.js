@@ -18,8 +18,14 @@
   // another at once would take its place before it is read: so each repeats the last few.
   const recent = [];
   let count = 0;
+  // A tab that connects again has the inputs of another session long before its script comes: till
+  // then there is no inbox, and what the page shows is not what was left open.
+  const isCurrent = () => {
+    const inputs = window.paminsaContext?.get()?.useGuiConfig;
+    return !inputs || inputs.get(config.inbox) !== undefined;
+  };
   const send = (kind, data) => {
-    if (!viewer().sendMessage) return false;
+    if (!viewer().sendMessage || !isCurrent()) return false;
     recent.push([++count, kind, data]);
     while (recent.length > 4) recent.shift();
     const updates = { value: JSON.stringify(recent) };
@@ -89,7 +95,7 @@
   const tabs = window.paminsaTabs({
     key: `${config.storeKey}_tabs`,
     names: config.tabs,
-    isWhole: () => isWhole,
+    isWhole: () => isWhole && isCurrent(),
     send,
     signal: stopped.signal,
   });
