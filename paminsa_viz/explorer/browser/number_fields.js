@@ -346,6 +346,10 @@
     change: (event) => {
       if (edit?.field === event.target) event.stopPropagation();
     },
+    // The box would write a text with a comma itself, with a point and without an `input` event.
+    paste: (event) => {
+      if (edit?.field === event.target) event.stopPropagation();
+    },
     keydown: (event) => {
       if (orphan) return typeOrphan(event);
       if (edit?.field !== event.target || event.isComposing || event.key === "Tab") return;
