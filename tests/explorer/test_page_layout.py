@@ -282,3 +282,30 @@ def test_no_text_or_table_is_wider_than_the_narrowest_dock(browser: Browser) -> 
     page.evaluate("document.querySelector('section td').style.minWidth = '500px'")
     assert len(page.evaluate(WIDER)) == 1
     page.close()
+
+
+CONTRAST = """() => {
+  const style = (selector, pseudo) => getComputedStyle(document.querySelector(selector), pseudo);
+  return {
+    dot: style("i").backgroundColor, pressed: style("button").backgroundColor,
+    label: style("label").color, name: style("label", "::before").color,
+    text: style("body").color, ground: style("body").backgroundColor,
+  };
+}"""
+
+
+def test_colors_that_say_something_and_names_of_inputs_hold_in_high_contrast(
+    browser: Browser,
+) -> None:
+    page = browser.new_context(forced_colors="active").new_page()
+    page.set_content(
+        f"<!doctype html><body>{style_html()}<i class='pv-dot pv-m1'></i><div class='pv-reference'>"
+        "<button aria-pressed='true'>none</button></div>"
+        "<label data-paminsa-name='x'>x [mm]</label>"
+    )
+    seen = page.evaluate(CONTRAST)
+    assert seen["label"] == "rgba(0, 0, 0, 0)", "it would lie over the name"
+    assert seen["name"] == seen["text"]
+    assert seen["ground"] not in (seen["dot"], seen["pressed"])
+    assert "rgba(0, 0, 0, 0)" not in (seen["dot"], seen["pressed"])
+    page.close()
