@@ -115,7 +115,7 @@ export --glb r.glb --pose 0 0 0                     | --pose
 export --mjcf no/r.xml                              | cannot be written: its folder does not exist
 export --meshes old/deeper                          | old/deeper: cannot be written
 export --mjcf r.xml --glb r.glb --meshes old        | old: cannot be written
-export --glb r.glb --pose 1e300 0 0 0               | pose (1e+300 mm, 0.0 mm,
+export --glb r.glb --pose 1e300 0 0 0               | pose x 1e+300 mm, y 0 mm,
 export --glb r.glb --pose x 0 0 0                   | 4 numbers are needed, not 'x',
 export --glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600 | pose: it is singular
 report                                              | --out
@@ -133,7 +133,7 @@ accuracy --robots 5                                 | --robots is for --manufact
 accuracy --manufacture --robots -1                  | whole numbers of at least 0
 accuracy --manufacture --robots 2000000             | 1 to 1000000 are possible
 clearance --poses -1                                | --poses
-clearance --pose 900 0 0 -500                       | 900.0 mm
+clearance --pose 900 0 0 -500                       | x 900 mm
 excite --max-torque -1                              | --max-torque
 excite --out motion.txt                             | .csv
 excite --rate 0                                     | rate: a finite rate above 0 is needed, not 0.0

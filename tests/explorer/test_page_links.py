@@ -121,7 +121,7 @@ def test_link_in_a_tab_with_other_work_offers_that(open_tab: Callable[..., Tab])
     [
         (share_code(OTHER)[:-30], "it is damaged or incomplete"),
         ("PMZ0-eJw", "it is from another version of paminsa_viz (packing 0)"),
-        ("PMZ1-" + "A" * 5 * LONGEST_CODE, f"it is too long (at most {LONGEST_CODE} characters)"),
+        ("PMZ1-" + "A" * 5 * LONGEST_CODE, f"it is too long (at most {LONGEST_CODE:,} characters)"),
         ("PMZ1-%3Cscript%3Ealert(1)%3C/script%3E", "it is damaged or incomplete"),
     ],
     ids=["truncated", "older", "long", "hostile"],

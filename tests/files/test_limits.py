@@ -79,7 +79,7 @@ def test_levels_and_whole_numbers_of_plain_data() -> None:
 def test_rows_of_tables() -> None:
     head, row = "x_m,y_m,theta_rad,z_m\n", "0,0,0,-0.5\n"
     assert table_rows(f"{head}{row}" + "\n" * MOST_BLANK_ROWS) == 1
-    with pytest.raises(TableFileError, match="row 3: over 20000 blank rows end the table"):
+    with pytest.raises(TableFileError, match="row 3: over 20,000 blank rows end the table"):
         table_rows(f"{head}{row}" + "\n" * (MOST_BLANK_ROWS + 1))
     for more in (0, 1):
         long = "0,0,0," + "0" * (LONGEST_ROW - 7 + more) + "\n"
