@@ -67,14 +67,14 @@ def region_blocks(over: Clearance, required: float = 0.0, what: str = "poses") -
         what: What the poses are.
     """
     reached = over.least[np.isfinite(over.least)]
-    text = f"{len(reached)} of {over.least.size} {what} can be taken"
+    text = f"{len(reached):,} of {over.least.size:,} {what} can be taken"
     if len(reached) == 0:
         return [Note(f"{text}.", "warn")]
     share = 100 * np.mean(reached < required)
     near = f"are less than {format_value(required, 'm')} apart" if required else "overlap"
     text += f"; bodies {near} in {share:.1f} % of them."
     cells = (
-        (*names, str(count), format_value(least, "m"))
+        (*names, f"{count:,}", format_value(least, "m"))
         for names, count, least in nearest_kinds(over)[:MOST]
     )
     head = ("Nearest", "To", "Poses", "Least")

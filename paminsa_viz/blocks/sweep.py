@@ -35,7 +35,7 @@ def sweep_blocks(path: Path, summary: StudySummary, seconds: float) -> list[Bloc
 
 
 def _others(counts: Mapping[str, int], good: str) -> str:
-    return "".join(f", {count} {word}" for word, count in counts.items() if word != good)
+    return "".join(f", {count:,} {word}" for word, count in counts.items() if word != good)
 
 
 def _cells(value: float, row: int) -> tuple[str, str]:

@@ -163,7 +163,7 @@ def study_of(flags: Sweep, design: Design) -> Study:
         ranges = tuple(_range(text, design, flags.spread) for text in flags.vary)
         variation = RandomDesigns(ranges, flags.random, flags.seed)
     if variation.size > MOST:
-        raise UsageError(f"{variation.size} designs are too many; {MOST} are possible")
+        raise UsageError(f"{variation.size:,} designs are too many; {MOST:,} are possible")
     moving = flags.preset is not None or flags.file is not None
     motion = flags.given_motion(design.geometry) if moving else None
     indices = tuple(key.replace("-", "_") for key in flags.index)

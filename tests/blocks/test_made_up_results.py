@@ -75,6 +75,10 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     assert said(clearance_words.region_blocks(apart))[0][1] == "ok"
     none = distances([np.nan, np.nan], [-1, -1])
     assert said(clearance_words.region_blocks(none)) == [("0 of 2 poses can be taken.", "warn")]
+    many = said(clearance_words.region_blocks(distances([0.004] * 1200 + [np.nan], [0] * 1201)))
+    assert many[0][0].startswith("1,200 of 1,201 poses can be taken; ")
+    whole = clearance_words.region_blocks(distances([0.004] * 1200, [0] * 1200))[1]
+    assert cells(whole)[0][2] == "1,200"
     data = clearance_words.clearance_data(APPENDIX_4, 0, {}, distances(np.nan, -1), over, 0.005)
     assert data["least"] is None
     assert (data["poses"]["drawn"], data["poses"]["reached"]) == (6, 5)
