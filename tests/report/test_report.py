@@ -242,6 +242,13 @@ GAPS = """() => [...document.querySelectorAll("h2")].map((heading) => {
 """Pixels between the number of each section and its title."""
 
 
+PAPER = 680
+"""Width of the text on A4 paper, 180 mm, in a browser's pixels."""
+TABLES = """() => Math.max(...[...document.querySelectorAll('table')].map((table) =>
+  table.getBoundingClientRect().right))"""
+"""Where the widest table ends."""
+
+
 @pytest.mark.browser
 def test_browser_shows_and_prints_the_report_without_requests(
     report: str, browser: Any, tmp_path: Path
@@ -264,6 +271,9 @@ def test_browser_shows_and_prints_the_report_without_requests(
         across = page.evaluate("document.documentElement.scrollWidth")
         assert across <= width
     printed = page.pdf(prefer_css_page_size=True)
+    page.set_viewport_size({"width": PAPER, "height": 900})
+    page.emulate_media(media="print")
+    assert page.evaluate(TABLES) <= PAPER + 1
     page.close()
     assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
     assert said == []
