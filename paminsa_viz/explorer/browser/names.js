@@ -1,6 +1,7 @@
 /**
  * Names of what viser leaves without one, for screen readers: thumbs and number boxes of sliders,
- * boxes of a pair, pictures, and buttons that are an icon. By their names they get the focus.
+ * boxes of a pair, pictures, and buttons that are an icon. By their names they get the focus. What
+ * comes without being looked at is said.
  */
 (() => {
   "use strict";
@@ -73,7 +74,18 @@
     };
     attempt(60);
   };
-  window.paminsaNames = { focus };
+
+  // What a screen reader says of what comes elsewhere on the page; the same again is said again.
+  const SPOKEN = "pv-spoken";
+  const spoken = document.querySelector(`.${SPOKEN}`) ?? document.createElement("div");
+  spoken.className = SPOKEN;
+  spoken.setAttribute("role", "status");
+  document.body.append(spoken);
+  const say = (text) => {
+    spoken.textContent = "";
+    setTimeout(() => { spoken.textContent = text; }, 100);
+  };
+  window.paminsaNames = { focus, say };
 
   const ICONS = [["search", "Commands"], ["adjust", "Viewer settings"], ["x", "Close"]];
   watch("button:not([aria-label]):not([aria-hidden])", (button) => {

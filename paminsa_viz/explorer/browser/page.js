@@ -486,13 +486,14 @@
   const followLink = (code) => window.paminsaLinks?.follow(code);
   const copyLink = (code) => copy("Link", window.paminsaLinks?.to(code) || code);
   const focusInput = (names) => window.paminsaNames?.focus(names);
+  const say = (text) => window.paminsaNames?.say(text);
   const showPlace = (place) => window.paminsaCursor?.show(place);
   const showPiece = (places) => window.paminsaCursor?.showPiece(places);
   const showReadout = (html) => window.paminsaCursor?.showReadout(html);
   const renderOnDemand = (animation) => window.paminsaDrawing?.renderOnDemand(animation);
   const releaseTheme = () => window.paminsaFirstPaint?.release();
   window.paminsa = {
-    stop, whole, tour, copy, focusInput, send, save, openTab: tabs.open, setTitle, showTime,
+    stop, whole, tour, copy, focusInput, say, send, save, openTab: tabs.open, setTitle, showTime,
     showLegend, renderOnDemand, releaseTheme, openLink, followLink, copyLink, answerTyped, showPlace,
     showPiece, showReadout,
   };

@@ -109,8 +109,11 @@ class AnswerTab:
         self._session.dispatch("answer", answer.show, step=False)
         narrow = is_folded(self._session.window[0])
         self._session.open_tab(ANSWER_TAB, unfold=not narrow)
+        title = f"Answer: {answer.label}"
         if narrow:
-            self._session.notify(f"Answer: {answer.label}", "It is in the dock on the left.")
+            self._session.notify(title, "It is in the dock on the left.")
+        else:
+            self._session.bridge.call("say", title)  # a notice is said by itself
 
     def _follow_sections(self, state: State) -> None:
         """Show an answer of the section that has been opened; one that asks for none keeps it."""

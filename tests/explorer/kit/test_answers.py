@@ -96,6 +96,22 @@ def test_narrow_window_says_where_the_answer_is_and_keeps_its_dock_folded(
     assert opened == [("Answer", False)]
 
 
+def test_answer_that_comes_is_said_to_a_screen_reader_once(
+    desk: tuple[Desk, list[tuple[str, bool]]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the region of the page, or by the notice of a narrow window."""
+    page, _ = desk
+    said: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(page.session.bridge, "call", lambda *call: said.append(call))
+    page.session.set_window(1000.0, 700.0)
+    page.dispatch(fitted)
+    page.noticed("Answer: Fitted")
+    assert ("say", "Answer: Fitted") not in said
+    page.session.set_window(1400.0, 900.0)
+    page.dispatch(fitted)
+    page.until(lambda: said.count(("say", "Answer: Fitted")) == 1)
+
+
 @pytest.mark.slow
 def test_section_shows_its_answer_and_one_without_keeps_the_last(
     desk: tuple[Desk, list[tuple[str, bool]]], monkeypatch: pytest.MonkeyPatch
