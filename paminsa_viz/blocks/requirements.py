@@ -117,8 +117,12 @@ def required_texts(requirements: Requirements | None) -> list[str]:
 
 def headings_text(requirements: Requirements, digits: int = 4) -> str:
     """Return the headings that are required: ``θ −30° to 30°``, or ``θ 0°`` for one alone."""
-    low, high = (format_value(angle, "rad", digits) for angle in requirements.theta)
-    return f"θ {low}" if low == high else f"θ {low} to {high}"
+    return f"θ {' to '.join(_headings(requirements, digits))}"
+
+
+def _headings(requirements: Requirements, digits: int = 4) -> list[str]:
+    """Return the ends of the range of headings, or the only one."""
+    return list(dict.fromkeys(format_value(end, "rad", digits) for end in requirements.theta))
 
 
 def workspace_text(workspace: Workspace) -> str:
@@ -161,9 +165,8 @@ def check_row(
 
 def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
     """Return what the worst values of a check are over."""
-    headings = headings_text(requirements)
-    span = "from" if " to " in headings else "at"
-    return f"Worst values {_OVER[check.over]}, {span} {headings}"
+    span = "from" if len(_headings(requirements)) > 1 else "at"
+    return f"Worst values {_OVER[check.over]}, {span} {headings_text(requirements)}"
 
 
 def _volume(volume: Volume, text: Text) -> list[Block]:

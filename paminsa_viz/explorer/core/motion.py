@@ -30,9 +30,8 @@ def planned(state: State) -> Planned:
 
 def no_motion(state: State) -> InvalidInput:
     """Return the error that there is no motion, under the name of what is wrong with it."""
-    problem = planned(state).problem
-    name, colon, rest = problem.partition(": ")
-    return InvalidInput(name, rest) if colon and name.isalpha() else InvalidInput("motion", problem)
+    found = planned(state)
+    return InvalidInput(found.argument, found.problem.removeprefix(f"{found.argument}: "))
 
 
 def duration(state: State) -> float:

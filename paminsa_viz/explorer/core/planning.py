@@ -58,6 +58,7 @@ class Planned:
     Attributes:
         trajectory: The motion, or None if its numbers make none.
         problem: Why there is none, or none that keeps its limits.
+        argument: Name of what is wrong, where there is none.
         bound: What keeps it from being shorter; empty if the duration was given.
         crossing: The way there, if it was planned through type-2 singularities.
         deviation: How far its path was changed for that [m].
@@ -67,6 +68,7 @@ class Planned:
 
     trajectory: Trajectory | None
     problem: str = ""
+    argument: str = "motion"
     bound: str = ""
     crossing: TimeOptimalPlan | None = None
     deviation: float = 0.0
@@ -88,6 +90,8 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
         if motion.kind is Kind.TABLE:
             return _from_table(motion)
         plan = make_plan(motion, geometry)
+    except InvalidInput as error:
+        return Planned(None, str(error), error.argument)
     except PaminsaError as error:
         return Planned(None, str(error))
     problem = bound = to_change = ""
@@ -111,7 +115,9 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
     if motion.back:
         plan = round_trip(plan)
     samples = plan.sample(_rate(motion.rate, plan.duration))
-    return Planned(samples, problem, bound, crossing, deviation, to_change)
+    return Planned(
+        samples, problem, bound=bound, crossing=crossing, deviation=deviation, to_change=to_change
+    )
 
 
 def _to_change(error: PaminsaError, limits: MotionLimits) -> str:
