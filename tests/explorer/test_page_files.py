@@ -15,6 +15,7 @@ from PIL import Image
 
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.docks import left_dock
 from paminsa_viz.explorer.features.export import exports
 from paminsa_viz.explorer.features.files.examples import EXAMPLES
 from paminsa_viz.explorer.state.motion import Timing
@@ -59,6 +60,31 @@ def open_exports(tab: Tab) -> None:
         label.scroll_into_view_if_needed()
         tab.click_in(label)
         heading.wait_for()
+
+
+LEFTMOST = """() => {
+  window.__leftmost = Infinity;
+  const look = () => {
+    for (const notice of document.querySelectorAll(".mantine-Notifications-notification")) {
+      window.__leftmost = Math.min(window.__leftmost, notice.getBoundingClientRect().left);
+    }
+    if (window.__looks) requestAnimationFrame(look);
+  };
+  window.__looks = true;
+  look();
+}"""
+"""Notes how far to the left a notice is in any picture of the browser [px]."""
+
+
+def test_a_notice_never_moves_over_the_left_dock(tab: Tab) -> None:
+    tab.page.evaluate(LEFTMOST)
+    tab.session.notify("A notice", "that comes and stays")
+    tab.page.get_by_text("that comes and stays").wait_for()
+    tab.wait_frames(500)
+    leftmost = tab.page.evaluate("(window.__looks = false, window.__leftmost)")
+    width, folded = left_dock(tab.state, tab.session.window)
+    assert not folded
+    assert leftmost >= width
 
 
 EXPORTS: dict[str, tuple[str, Callable[[bytes], bool]]] = {
