@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paminsa_viz.palette import DARK, LIGHT, rgb
 from tests.support.chromium import TIMEOUT, Tab, until
 
 pytestmark = pytest.mark.browser
@@ -21,6 +22,24 @@ COLORS = """async (change) => {
   return new Set(new Uint32Array(colors.buffer)).size;
 }"""
 """How many colors the view has, or its next picture after a change: more where edges are smooth."""
+
+SCHEME = "data-mantine-color-scheme"
+
+CORNER = """async ([draw, wider]) => {
+  if (draw) {
+    window.__viserMutable.requestRender();
+    for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame);
+  }
+  const { gl: renderer } = window.__viserMutable.scene.__r3f.root.getState();
+  const gl = renderer.getContext();
+  const { clientWidth: width, clientHeight: height } = gl.canvas;
+  if (wider) renderer.setSize(width + wider, height, false);
+  const pixel = new Uint8Array(4);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  if (wider) renderer.setSize(width, height, false);
+  return [...pixel];
+}"""
+"""A pixel of the view where the scene is clear; in a canvas of another size, if wanted."""
 
 CAMERA = "() => window.__viserMutable.camera.matrixWorld.elements.join()"
 PICTURE = "() => document.querySelector('[data-paminsa-picture]')?.getAttribute('src')"
@@ -100,6 +119,31 @@ def test_edges_in_the_view_and_its_pictures_are_smooth_at_rest_without_a_graphic
     )
     assert len(np.unique(picture.reshape(-1, picture.shape[-1]), axis=0)) > 0.9 * rest
     assert colors(drawn, moving=False) == rest
+
+
+def test_backdrop_is_the_themes_in_the_view_and_the_light_gradient_in_a_picture(tab: Tab) -> None:
+    for name, theme in (("dark", DARK), ("light", LIGHT), ("dark", DARK)):
+        tab.page.evaluate(f"() => document.documentElement.setAttribute('{SCHEME}', '{name}')")
+        ends = np.array([rgb(color) for color in theme.backdrop])
+        middle = [*ends.mean(axis=0), 255]
+        until(
+            lambda middle=middle: np.allclose(
+                tab.page.evaluate(CORNER, [False, 0]), middle, atol=1
+            ),
+            "the view is drawn with the theme's backdrop",
+        )
+        assert tab.page.evaluate(CORNER, [True, 0]) == pytest.approx(middle, abs=1)
+        assert tab.page.evaluate(CORNER, [False, 7]) == pytest.approx(middle, abs=1)
+    camera = tab.session.client.camera
+    picture = tab.session.client.get_render(
+        101, 80, wxyz=camera.wxyz, position=camera.position, fov=camera.fov,
+        transport_format="png", timeout=TIMEOUT,
+    )  # fmt: skip
+    light = [rgb(color) for color in LIGHT.backdrop]
+    np.testing.assert_allclose(picture[[0, -1], 0, :3], light, atol=1)
+    np.testing.assert_allclose(picture[50, 0, :3], np.mean(light, axis=0), atol=1)
+    assert tab.page.evaluate(CORNER, [True, 0]) == pytest.approx(middle, abs=1)
+    tab.page.evaluate(f"() => document.documentElement.setAttribute('{SCHEME}', 'light')")
 
 
 def test_number_of_pixels_in_the_address_stays(tab: Tab) -> None:

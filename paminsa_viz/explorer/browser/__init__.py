@@ -14,6 +14,7 @@ import json
 import re
 from importlib.resources import files
 
+from paminsa_viz.palette import DARK, LIGHT, rgb
 from paminsa_viz.units import TYPED_UNITS
 
 TITLE = "PAMINSA explorer"
@@ -35,13 +36,24 @@ def asset(name: str, **replacements: str) -> str:
     return re.sub(r"@([A-Z]+)@", lambda found: replacements.get(found[1], found[0]), text)
 
 
+def _backdrops() -> str:
+    """Return the top and the bottom of both themes' backdrops, as JSON of shares of one."""
+    themes = {"light": LIGHT, "dark": DARK}
+    return json.dumps(
+        {
+            name: [[round(part / 255, 4) for part in rgb(color)] for color in theme.backdrop]
+            for name, theme in themes.items()
+        }
+    )
+
+
 def page_head() -> str:
     """Return what the head of the page holds: its title, and scripts that may not come late."""
     scripts = (
         asset("first_paint.js", STORE=STORE_KEY),
         asset("links.js", STORE=STORE_KEY, LONGEST=str(LONGEST_LINK + 1)),
         asset("context.js"),
-        asset("drawing.js", PROGRAMS="|".join(SOFTWARE_RENDERERS)),
+        asset("drawing.js", PROGRAMS="|".join(SOFTWARE_RENDERERS), BACKDROPS=_backdrops()),
         asset("inputs.js"),
         asset("number_fields.js", KINDS=json.dumps(TYPED_UNITS)),
     )

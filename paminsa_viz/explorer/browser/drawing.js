@@ -2,13 +2,15 @@
  * Runs in the head of the page: how the 3D view is drawn, above all where a program stands for the
  * graphics card, which then takes most of the machine.
  *
- * There an edge is smoothed only while nothing moves: several samples for every pixel, as viser asks
- * for, cost more than the robot in each picture of a drag. They are taken in a buffer beside the
- * canvas, which keeps its size: another size would make the first picture of a drag late.
+ * There the canvas is opaque and shows the backdrop itself. An edge is smoothed only while nothing
+ * moves: several samples for every pixel, as viser asks for, cost more than the robot in each picture
+ * of a drag. They are taken in a buffer beside the canvas, which keeps its size: another size would
+ * make the first picture of a drag late.
  */
 (() => {
   "use strict";
   const PROGRAMS = /@PROGRAMS@/i;
+  const BACKDROPS = @BACKDROPS@; // of the light and of the dark theme: top and bottom [0 to 1]
   const SAMPLES = 4; // for each pixel of a smooth picture
   const MOST_PIXELS = 2; // for one of the page's
   const STILL_AFTER = 400; // without a change [ms]
@@ -26,9 +28,65 @@
     return renderer;
   };
   HTMLCanvasElement.prototype.getContext = function (kind, options, ...rest) {
-    const isPlain = kind === "webgl2" && PROGRAMS.test(named());
-    const chosen = isPlain ? { ...options, antialias: false } : options;
-    return getContext.call(this, kind, chosen, ...rest);
+    if (kind !== "webgl2" || !PROGRAMS.test(named())) {
+      return getContext.call(this, kind, options, ...rest);
+    }
+    const gl = getContext.call(this, kind, { ...options, antialias: false, alpha: false }, ...rest);
+    return gl && !Object.hasOwn(gl, "clear") ? withBackdrop(gl) : gl;
+  };
+
+  let isCapture = false; // the picture is one to be saved
+  let standIn = null; // a buffer that is drawn to in place of the canvas
+  const scheme = () => document.documentElement.getAttribute("data-mantine-color-scheme");
+  const backdrop = () => BACKDROPS[scheme()] ?? BACKDROPS.light;
+  const mixed = ([top, bottom], share) => top.map((v, i) => v + (bottom[i] - v) * share);
+  /**
+   * Let a context draw the backdrop where the scene is clear. Its canvas is opaque: what lies below
+   * another the browser draws as well, and puts the two together, with every picture of the page.
+   */
+  const withBackdrop = (gl) => {
+    const { clear, clearColor, bindFramebuffer, viewport } = Object.getPrototypeOf(gl);
+    const { canvas, COLOR_BUFFER_BIT } = gl;
+    let color = [0, 0, 0, 0];
+    let isView = true; // what is drawn to now; asking the context would wait for all that it draws
+    gl.clearColor = (...rgba) => {
+      color = rgba;
+      clearColor.call(gl, ...rgba);
+    };
+    gl.bindFramebuffer = (target, buffer) => {
+      if (target !== gl.READ_FRAMEBUFFER) isView = !buffer;
+      bindFramebuffer.call(gl, target, buffer ?? standIn);
+    };
+    /** Fill the view with the gradient of saved pictures, a row of pixels at a time. */
+    const fillRows = () => {
+      const { width, height } = canvas;
+      const area = gl.getParameter(gl.SCISSOR_BOX);
+      gl.enable(gl.SCISSOR_TEST);
+      for (let row = 0; row < height; row++) {
+        gl.scissor(0, row, width, 1);
+        clearColor.call(gl, ...mixed(BACKDROPS.light, 1 - row / Math.max(height - 1, 1)), 1);
+        clear.call(gl, COLOR_BUFFER_BIT);
+      }
+      gl.disable(gl.SCISSOR_TEST);
+      gl.scissor(...area);
+    };
+    gl.clear = (what) => {
+      if (!isView || !(what & COLOR_BUFFER_BIT) || color[3] > 0) return clear.call(gl, what);
+      if (isCapture) fillRows();
+      else clearColor.call(gl, ...mixed(backdrop(), 0.5), 1);
+      clear.call(gl, isCapture ? what & ~COLOR_BUFFER_BIT : what);
+      clearColor.call(gl, ...color);
+    };
+    // A canvas of another size is black until the scene is drawn.
+    let size = "";
+    gl.viewport = (...area) => {
+      viewport.call(gl, ...area);
+      const found = `${canvas.width} ${canvas.height}`;
+      if (found !== size) gl.clear(COLOR_BUFFER_BIT);
+      size = found;
+    };
+    gl.clear(COLOR_BUFFER_BIT);
+    return gl;
   };
 
   // The light is the explorer's own: viser's lamps and its picture of the surroundings would be
@@ -76,23 +134,22 @@
       const buffer = kept?.buffer ?? gl.createFramebuffer();
       gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
       const storages = [
-        attach(gl.COLOR_ATTACHMENT0, gl.RGBA8), attach(gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24),
+        attach(gl.COLOR_ATTACHMENT0, gl.RGB8), attach(gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24),
       ];
       const isWhole = gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE;
       gl.bindFramebuffer(gl.FRAMEBUFFER, null);
       kept = { buffer, storages, isWhole, width: canvas.width, height: canvas.height };
     };
-    const { bindFramebuffer } = Object.getPrototypeOf(gl);
     return (draw) => {
       if (kept?.width !== canvas.width || kept.height !== canvas.height) make();
       const { buffer, isWhole, width, height } = kept;
       if (!isWhole) return draw();
-      gl.bindFramebuffer = (target, other) => bindFramebuffer.call(gl, target, other ?? buffer);
+      standIn = buffer;
       try {
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         draw();
       } finally {
-        delete gl.bindFramebuffer;
+        standIn = null;
         gl.bindFramebuffer(gl.READ_FRAMEBUFFER, buffer);
         gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
         const all = [0, 0, width, height];
@@ -112,14 +169,16 @@
     const { gl: renderer, get } = drawn();
     const context = renderer.getContext();
     const { antialias, alpha } = context.getContextAttributes() ?? {};
-    if (antialias || !alpha || smoothed.has(renderer)) return;
+    if (antialias || alpha || smoothed.has(renderer)) return;
     smoothed.add(renderer);
     const render = renderer.render.bind(renderer);
     const smoothly = smoother(context);
     renderer.render = (scene, camera) => {
-      const isSmooth = (isStill || camera !== get().camera) && !renderer.getRenderTarget();
+      isCapture = camera !== get().camera;
+      const isSmooth = (isStill || isCapture) && !renderer.getRenderTarget();
       if (isSmooth) smoothly(() => render(scene, camera));
       else render(scene, camera);
+      isCapture = false;
     };
   };
   /**
@@ -128,7 +187,6 @@
    * is the place of what requests pictures without end: some are drawn every second, no more.
    */
   const renderOnDemand = (animation) => {
-    document.documentElement.classList.add("paminsa-render-on-demand");
     if (!viewer().requestRender || !invalidator()) return;
     smoothStills();
     let timer = 0;

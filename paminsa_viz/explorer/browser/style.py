@@ -23,9 +23,6 @@ _DARK_ROOT: Final = ':root[data-mantine-color-scheme="dark"]'
 def _variables(theme: Theme) -> dict[str, str]:
     """Return the CSS variables of a theme; those of data colors are named by them."""
     top, bottom = theme.backdrop
-    middle = "#" + "".join(
-        f"{(a + b) // 2:02x}" for a, b in zip(rgb(top), rgb(bottom), strict=True)
-    )
     named = {
         name: getattr(theme, name)
         for name in ("paper", "ink", "muted", "faint", "reference", "good", "warn", "bad")
@@ -33,8 +30,7 @@ def _variables(theme: Theme) -> dict[str, str]:
     fills = {
         "good-fill": theme.good_fill, "warn-fill": theme.warn_fill, "bad-fill": theme.bad_fill
     }  # fmt: skip
-    # The middle replaces the gradient where it costs too much.
-    behind = {"backdrop-top": top, "backdrop-bottom": bottom, "backdrop-middle": middle}
+    behind = {"backdrop-top": top, "backdrop-bottom": bottom}
     data = {
         f"color-m{number}": theme.shown(color)
         for number, color in enumerate(ACTUATOR_COLORS, start=1)
