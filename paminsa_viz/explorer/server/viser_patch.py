@@ -12,6 +12,8 @@ keeps its bookkeeping in private attributes. What is used of it:
 * ``AsyncMessageBuffer.message_event`` of every page, which viser sets from any thread, although an
   ``asyncio.Event`` is for its loop alone: a waiter that comes or goes meanwhile breaks the sender.
 * ``GuiApi._gui_input_handle_from_uuid``: the inputs of a session.
+* ``viser._assignable_props_api.get_type_hints``: read for every handle that is made, although it is
+  the same for all of a kind; that would be half of the time that the panels of a page take.
 * ``viser._messages``: the messages of a page, from which ``message_filter`` makes stricter types.
 
 Each is looked for at the start, and a viser that has another shape is refused with
@@ -26,12 +28,13 @@ import socket
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_type_hints
 
 import rich
 import viser
+from viser import _assignable_props_api as props
 from viser.infra import _infra
 from websockets.asyncio.server import ServerConnection
 from websockets.asyncio.server import serve as websockets_serve
@@ -46,6 +49,8 @@ SERIES = "1.1."
 _NEEDED_OF_SERVE = {"process_request", "process_response", "create_connection", "max_size"}
 _NEEDED_OF_CONNECTION = {"connection_made", "connection_lost", "data_received", "process_event"}
 _CLOSE_TIMEOUT = 3.0  # s; a page answers at once, a hostile socket should not linger
+
+_hints_once = cache(get_type_hints)
 
 _making = threading.Lock()  # the overlay is seen by all of viser while it is in place
 _console_lock = threading.RLock()  # so is the console that viser prints on
@@ -73,6 +78,8 @@ def require_known_viser() -> Decode:
         raise ViserChanged("it is of another series")
     if not hasattr(_infra, "websockets"):
         raise ViserChanged("it finds websockets in another way")
+    if not hasattr(props, "get_type_hints"):
+        raise ViserChanged("its handles find the types of their properties in another way")
     if not inspect.signature(websockets_serve).parameters.keys() >= _NEEDED_OF_SERVE:
         raise ViserChanged("websockets' serve() takes other options")
     if not set(dir(ServerConnection)) >= _NEEDED_OF_CONNECTION:
@@ -94,6 +101,7 @@ def start_viser(bound: socket.socket, host: str, guard: ConnectionGuard) -> vise
     Raises:
         ViserChanged: viser did not start its server the way it used to.
     """
+    props.__dict__["get_type_hints"] = _hints_once
     port = bound.getsockname()[1]
     pages: list[Any] = []
 

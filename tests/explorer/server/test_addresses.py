@@ -24,6 +24,7 @@ from paminsa_viz.explorer.server.listening import (
     server_url,
 )
 from paminsa_viz.explorer.server.names import Authority, NameRules, is_loopback
+from tests.support.guarded import GuardedServer
 from tests.support.raw_page import TIMEOUT, dial, get
 
 
@@ -68,6 +69,15 @@ def test_unknown_viser_is_refused_before_anything_listens(monkeypatch: pytest.Mo
             (patched.setitem if patch[0] is fields else patched.setattr)(*patch)
             with pytest.raises(ViserChanged, match=name):
                 open_server(port=0)
+
+
+def test_types_of_properties_are_found_once_for_all_handles_of_a_kind(
+    guarded: GuardedServer,
+) -> None:
+    page, inputs = guarded.page()
+    same = page.client.gui.add_number("another", 0)
+    assert same._prop_hints is inputs.count._prop_hints
+    assert same._prop_hints is not inputs.slider._prop_hints
 
 
 @pytest.mark.parametrize(
