@@ -175,14 +175,18 @@ class MapData:
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
-        """Outer edges of the cells (left, right, bottom, top) [m]."""
+        """Outer edges of the cells (left, right, bottom, top) [m].
+
+        They are rounded, so that maps of one area have the same edges with any number of cells, and
+        are drawn on the same axes.
+        """
         half_x = (self.x[1] - self.x[0]) / 2
         half_y = (self.y[1] - self.y[0]) / 2
         return (
-            float(self.x[0] - half_x),
-            float(self.x[-1] + half_x),
-            float(self.y[0] - half_y),
-            float(self.y[-1] + half_y),
+            round(float(self.x[0] - half_x), 12),
+            round(float(self.x[-1] + half_x), 12),
+            round(float(self.y[0] - half_y), 12),
+            round(float(self.y[-1] + half_y), 12),
         )
 
     @property
