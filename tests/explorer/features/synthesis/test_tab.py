@@ -103,6 +103,7 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     asked: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(10, 6))
+    monkeypatch.setattr(solving, "BUILT", 10)
     started = actions.start(asked)
     job = started.synthesis.running
     assert job is not None
@@ -162,7 +163,7 @@ def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
     assert shown_front(started) is None
     points = tuple(
         FrontPoint((size, mass), answer(asked, radius, size))
-        for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
+        for size, mass, radius in ((0.4, 20.0, 0.36), (0.5, 18.0, 0.33), (0.6, 17.0, 0.3))
     )
     front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
     state = delivered(
@@ -395,6 +396,7 @@ def test_a_stopped_search_gives_the_best_robot_so_far(
     desk: Desk, asked: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(solving, "PERIOD", 0.0)
+    monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(200, 4))
     desk.dispatch(lambda state: replace(state, document=asked.document))
     desk.set("synthesize", True)
     desk.until(lambda: (best := desk.state.synthesis.best) and best.feasible)
