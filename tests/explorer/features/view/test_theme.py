@@ -101,9 +101,10 @@ def test_maps_have_the_theme_around_the_cells_and_the_same_cells(ground: Theme) 
 
 @pytest.mark.slow
 def test_exported_maps_are_light_on_every_page() -> None:
-    store, one = MapStore(), actions.move(STATE, theta=0.5).updated("export", single=True)
+    store, one = MapStore(), actions.move(STATE, theta=0.5)
+    one = one.updated("export", single=True, width=90.0, dpi=100.0)
     auto, light, dark = (
-        exports.figure(replace(one, appearance=appearance), store, "svg")
+        exports.figure(replace(one, appearance=appearance), store, "png")
         for appearance in Appearance
     )
     assert auto == light == dark
