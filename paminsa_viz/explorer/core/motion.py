@@ -51,8 +51,8 @@ def change(state: State, **changes: Any) -> State:
     changed = change_document(state, motion=motion)
     if motion != state.document.motion:
         changed = _with_path(changed)
-    end = duration(changed)
-    if changed.playback.time > end:
+    # A plan may take long: at the start of a motion, only who draws the state needs it.
+    if changed.playback.time > 0.0 and changed.playback.time > (end := duration(changed)):
         changed = show_time(changed, end)
     return changed
 
