@@ -55,12 +55,17 @@ def scene(server: viser.ViserServer) -> Iterator[Scene]:
 def app() -> Iterator[Any]:
     """An explorer on any free port."""
     from paminsa_viz.app import App, AppOptions
+    from paminsa_viz.explorer.server import memory
     from paminsa_viz.model import APPENDIX_4, backend
 
     backend.compile_now()
-    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
-    yield running
-    running.stop()
+    with pytest.MonkeyPatch.context() as patch:
+        # Tests close a page every few seconds; to look through all of the tests' memory for each
+        # of them would cost as much as to open it.
+        patch.setattr(memory, "COLLECTION_DELAY", 20.0)
+        running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+        yield running
+        running.stop()
 
 
 WINDOW = {"width": 1280, "height": 720}
