@@ -17,8 +17,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -36,6 +38,9 @@ _FADED = 8
 
 _INSTANT = 1e-300
 """Least duration that a speed is divided by."""
+
+Derivatives = Callable[[Array, int], Array]
+"""A motion in unit time: the pose, order 0, or a derivative of it at instants (n,), as (n, 4)."""
 
 
 def limit_of(column: int, limits: MotionLimits, design: Design | None) -> float:
@@ -58,20 +63,39 @@ def needed_durations(
 
     The columns are those of `limits.LIMITED`, as far as a design is given and its drives are kept.
     """
-    parts: list[Callable[[Array], Array]] = [partial(_rate_durations, curve, limits.rates)]
+    parts: list[Callable[[Derivatives, Array], Array]] = [partial(_rate_durations, limits.rates)]
     driven = drives and design is not None and any(design.drives)
     if design is not None and (driven or limits.needs_torques):
-        torques = partial(_torque_durations, curve, limits.actuators, design, misprints)
-        parts.append(torques)
+        parts.append(partial(_torque_durations, limits.actuators, design, misprints))
     if design is not None and driven:
-        parts.append(_drive_durations(curve, design, misprints))
-    return lambda u: np.concatenate([part(u) for part in parts], axis=1)
+        parts.append(_drive_durations(design, misprints))
+
+    def needed(u: Array) -> Array:
+        at = _each_once(curve)
+        return np.concatenate([part(at, u) for part in parts], axis=1)
+
+    return needed
 
 
-def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:
+def _each_once(curve: UnitCurve) -> Derivatives:
+    """Return a curve that works out each derivative once, for instants that are always the same."""
+    known: dict[int, Array] = {}
+
+    def at(u: Array, order: int) -> Array:
+        if order not in known:
+            known[order] = curve(u, order)
+        return known[order]
+
+    return at
+
+
+def _rate_durations(limits: Array, curve: Derivatives, u: Array) -> Array:
     """Return the durations that limits (3, 2) require at instants (n,), (n, 6) [s]."""
     found = []
     for order in (1, 2, 3):
+        if np.isinf(limits[order - 1]).all():
+            found.append(np.zeros((len(u), 2)))
+            continue
         rate = curve(u, order)
         size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
         found.append((size / limits[order - 1]) ** (1.0 / order))
@@ -79,7 +103,7 @@ def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:
 
 
 def torque_parts(
-    curve: Callable[[Array, int], Array], design: Design, misprints: Misprint, u: Array
+    curve: Derivatives, design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
     """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4).
 
@@ -96,15 +120,19 @@ def torque_parts(
 
 
 def coulomb_friction(
-    curve: Callable[[Array, int], Array], design: Design, u: Array, duration: Array | None = None
+    curve: Derivatives, design: Design, u: Array, duration: Array | None = None
 ) -> Array:
     """Return Coulomb friction along a curve that takes durations (n, 1) or (n, 4), as (n, 4).
 
     Without a duration it is counted in full wherever an actuator moves.
     """
-    friction = design.actuator_friction
     speed = actuator_velocity(design, curve(u, 0), curve(u, 1))
-    return np.array(friction.coulomb) * coulomb_share(design, speed, duration)
+    return _coulomb_friction(design, speed, duration)
+
+
+def _coulomb_friction(design: Design, speed: Array, duration: Array | None) -> Array:
+    """Return Coulomb friction by the actuators' speeds (n, 4), see `coulomb_friction`."""
+    return np.array(design.actuator_friction.coulomb) * coulomb_share(design, speed, duration)
 
 
 def coulomb_share(design: Design, speed: Array, duration: Array | None) -> Array:
@@ -126,7 +154,10 @@ def _where_friction_fades(needed: Callable[[Array | None], Array], design: Desig
         return full
     longest = np.full_like(full, np.inf)
     for _ in range(_FADED):
-        longest = np.maximum(full, needed(np.maximum(longest[:, :4], longest[:, -4:])))
+        before = longest
+        longest = np.maximum(full, needed(np.maximum(before[:, :4], before[:, -4:])))
+        if np.array_equal(longest, before):
+            break
     return longest
 
 
@@ -150,9 +181,7 @@ def _gear_peaks(design: Design | None) -> list[float]:
     return [np.inf if drive is None else drive.gear_limits.peak for drive in drives]
 
 
-def _drive_durations(
-    curve: UnitCurve, design: Design, misprints: Misprint
-) -> Callable[[Array], Array]:
+def _drive_durations(design: Design, misprints: Misprint) -> Callable[[Derivatives, Array], Array]:
     """Return the durations that the drives require, as a function (n,) -> (n, 12) [s].
 
     The columns are envelopes, speeds and gears of M1 to M4. With w = 1/T the load, the motor's own
@@ -161,45 +190,82 @@ def _drive_durations(
     plain = replace(design, drives=NO_DRIVES)
     speeds = np.array([one.speed for one in design.output_limits])
 
-    def durations(u: Array) -> Array:
+    def durations(curve: Derivatives, u: Array) -> Array:
         still, *others = torque_parts(curve, plain, misprints, u)
-        pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
+        pose, rate, growth = curve(u, 0), curve(u, 1), curve(u, 2)
         speed = actuator_velocity(design, pose, rate)
         turned = actuator_acceleration(design.geometry, pose, rate, growth)
+        sides = _sides(design, others, speed, turned)
 
         def needed(duration: Array | None) -> Array:
-            load = (still + coulomb_friction(curve, plain, u, duration), *others)
-            return with_friction(load, speed, turned, coulomb_share(design, speed, duration))
+            load = still + _coulomb_friction(plain, speed, duration)
+            acting = coulomb_share(design, speed, duration)
+            found = np.zeros((len(speed), 12))
+            found[:, 4:8] = np.abs(speed) / speeds
+            for side in sides:
+                least = side.durations(load, acting)
+                found[:, side.column] = np.maximum(found[:, side.column], least)
+            return found
 
         return _where_friction_fades(needed, design)
 
-    def with_friction(load: tuple[Array, ...], speed: Array, turned: Array, acting: Array) -> Array:
-        found = np.zeros((len(speed), 12))
-        found[:, 4:8] = np.abs(speed) / speeds
-        for j, drive in enumerate(design.drives):
-            if drive is None:
-                continue
-            viscous, coulomb = drive.reflected_friction
-            inertia = drive.reflected_inertia * turned[:, j]
-            own = (coulomb * acting[:, j], viscous * speed[:, j], inertia)
-            for limit, fall, lossy, counted in drive_lines(drive, speed[:, j]):
-                for sign in (1.0, -1.0):
-                    needed = []
-                    for share in lossy:
-                        constant, first, second = (
-                            sign * (share * part[:, j] + counted * o)
-                            for part, o in zip(load, own, strict=True)
-                        )
-                        first = first + fall * np.abs(speed[:, j])
-                        needed.append(_longest(limit - constant, first, second))
-                    # that is the larger of the two at a positive speed: below a limit if both are
-                    along = sign * speed[:, j] > 0
-                    least = np.where(along, np.max(needed, axis=0), np.min(needed, axis=0))
-                    column = j if counted else 8 + j
-                    found[:, column] = np.maximum(found[:, column], least)
-        return found
-
     return durations
+
+
+class _Side(NamedTuple):
+    """A line of a drive's limits for torques of one sign, at instants (n,).
+
+    Attributes:
+        column: Its place among those of `_drive_durations`.
+        actuator: Which one.
+        sign: The sign, 1 or -1.
+        along: Where such a torque drives.
+        limit: The limit at no speed.
+        coulomb: The motor's own Coulomb friction, as far as it counts.
+        parts: Shares (n,) of the load, with the factors of 1/T and of 1/T^2 that they make.
+    """
+
+    column: int
+    actuator: int
+    sign: float
+    along: NDArray[np.bool_]
+    limit: float
+    coulomb: float
+    parts: list[tuple[Array, Array, Array]]
+
+    def durations(self, load: Array, acting: Array) -> Array:
+        """Return what it requires with the loads at rest and the shares of friction, (n, 4)."""
+        own = self.coulomb * acting[:, self.actuator]
+        needed = [
+            _longest(self.limit - self.sign * (share * load[:, self.actuator] + own), first, second)
+            for share, first, second in self.parts
+        ]
+        if len(needed) == 1:
+            return needed[0]
+        # that is the larger of the two at a positive speed: below a limit if both are
+        return np.where(self.along, np.maximum(*needed), np.minimum(*needed))
+
+
+def _sides(design: Design, others: list[Array], speed: Array, turned: Array) -> list[_Side]:
+    """Return both sides of all limits of the drives by the torques' parts of order 1 and 2."""
+    found = []
+    for j, drive in enumerate(design.drives):
+        if drive is None:
+            continue
+        viscous, coulomb = drive.reflected_friction
+        own = viscous * speed[:, j], drive.reflected_inertia * turned[:, j]
+        for limit, fall, lossy, counted in drive_lines(drive, speed[:, j]):
+            for sign in (1.0, -1.0):
+                parts = []
+                for share in lossy:
+                    first, second = (
+                        sign * (share * part[:, j] + counted * mine)
+                        for part, mine in zip(others, own, strict=True)
+                    )
+                    parts.append((share, first + fall * np.abs(speed[:, j]), second))
+                column, along = j if counted else 8 + j, sign * speed[:, j] > 0
+                found.append(_Side(column, j, sign, along, limit, counted * coulomb, parts))
+    return found
 
 
 def drive_lines(
@@ -232,17 +298,20 @@ def _longest(room: Array, first: Array, second: Array) -> Array:
 
 
 def _torque_durations(
-    curve: UnitCurve, limits: Array, design: Design, misprints: Misprint, u: Array
+    limits: Array, design: Design, misprints: Misprint, curve: Derivatives, u: Array
 ) -> Array:
     """Return the durations that limits (4,) require at instants (n,), (n, 4) [s].
 
     With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
     and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.
     """
+    if np.isinf(limits).all():
+        return np.zeros((len(u), 4))
     still, first, second = torque_parts(curve, design, misprints, u)
+    speed = actuator_velocity(design, curve(u, 0), curve(u, 1))
 
     def needed(duration: Array | None) -> Array:
-        constant = still + coulomb_friction(curve, design, u, duration)
+        constant = still + _coulomb_friction(design, speed, duration)
         longest = np.zeros_like(constant)
         for sign in (1.0, -1.0):
             each = _longest(limits - sign * constant, sign * first, sign * second)

@@ -204,18 +204,21 @@ class LawProgram:
         above = np.where(eased, 0.0, terms.rate)
         square = terms.square + above / (2.0 * tangent)
         right = 1.0 - terms.constant - 0.5 * above * tangent
-        left = [
-            sparse.hstack(
-                [
-                    sparse.diags(terms.growth[:, j]) @ dz + sparse.diags(square[:, j]) @ z,
-                    sparse.diags(np.where(eased[:, j], terms.rate[:, j], 0.0) * tangent[:, 0]),
-                    sparse.csr_matrix((len(s), timed)),
-                ],
-                "csr",
-            )
-            for j in range(right.shape[1])
-        ]
-        return sparse.vstack(left), right.T.ravel()
+        # all of the first limit, then of the next
+        count = right.shape[1]
+        kept = (np.where(eased, terms.rate, 0.0) * tangent).T.ravel()
+        rows = np.flatnonzero(kept)
+        left = sparse.hstack(
+            [
+                sparse.diags(terms.growth.T.ravel()) @ sparse.vstack([dz] * count, "csr")
+                + sparse.diags(square.T.ravel()) @ sparse.vstack([z] * count, "csr"),
+                sparse.csr_matrix(
+                    (kept[rows], (rows, rows % len(s))), shape=(len(kept), len(s) + timed)
+                ),
+            ],
+            "csr",
+        )
+        return left, right.T.ravel()
 
     def _resting(self, s: Array) -> NDArray[np.bool_]:
         """Return which places (n,) are at a stop."""

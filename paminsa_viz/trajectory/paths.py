@@ -172,18 +172,18 @@ class TimedPath:
     def __call__(self, u: Array, order: int = 0) -> Array:
         u = np.asarray(u, dtype=np.float64)
         s = self.place_at(u.ravel() * self.duration)
-        parts = [self.path(s, n) for n in range(order + 1)]
+        if order == 0:
+            return self.path(s).reshape(*u.shape, 4)
+        parts = [self.path(s, n) for n in range(1, order + 1)]
         z = np.maximum(self.z(s), 0.0)
         first, second = np.sqrt(z)[:, None], 0.5 * self.z(s, 1)[:, None]
-        if order == 0:
-            value = parts[0]
-        elif order == 1:
-            value = parts[1] * first
+        if order == 1:
+            value = parts[0] * first
         elif order == 2:
-            value = parts[2] * first**2 + parts[1] * second
+            value = parts[1] * first**2 + parts[0] * second
         else:
             third = 0.5 * self.z(s, 2)[:, None] * first
-            value = parts[3] * first**3 + 3.0 * parts[2] * first * second + parts[1] * third
+            value = parts[2] * first**3 + 3.0 * parts[1] * first * second + parts[0] * third
         return (value * self.duration**order).reshape(*u.shape, 4)
 
 
