@@ -340,7 +340,8 @@ def test_vectors(design: Design, draw: int) -> str:
         for index in range(part.shape[1])
     ]
     rows = np.concatenate(list(columns.values()), axis=1)
-    lines = [",".join(f"{value:.17g}" for value in row) for row in rows.tolist()]
+    line = ",".join(["%.17g"] * rows.shape[1])
+    lines = [line % tuple(row) for row in rows.tolist()]
     return "\n".join([",".join(names), *lines]) + "\n"
 
 

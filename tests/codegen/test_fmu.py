@@ -117,22 +117,23 @@ def test_fmpy_finds_no_problem(kind: FmuKind, tmp_path: Path) -> None:
 @pytest.mark.parametrize("design", [APPENDIX_4, DRIVEN], ids=["appendix-4", "driven"])
 def test_plant_moves_as_python_integrates_it(design: Design, tmp_path: Path) -> None:
     """Torques change once, and a payload is put on, at a step's end."""
+    steps, each = 100, 1e-3
     pose = start_pose(design) + np.array([0.02, -0.01, 0.1, 0.03])
     rate = np.array([0.05, 0.02, -0.1, 0.04])
     first = static_torques(design, pose) + np.array([0.4, -0.3, 0.2, 6.0])
     second = first + np.array([-0.8, 0.2, 0.1, 9.0])
     start = dict(zip([f"{name}_start" for name in (*POSE, *RATES)], [*pose, *rate], strict=True))
     heavier = design.vary({"payload.mass": 4.0, "payload.inertia": 0.03})
-    state = by_dop853(design, first, np.concatenate([pose, rate]), 0.2)
-    state = by_dop853(heavier, second, state, 0.2)
+    state = by_dop853(design, first, np.concatenate([pose, rate]), steps * each)
+    state = by_dop853(heavier, second, state, steps * each)
     with running(written(tmp_path, design, "plant"), tmp_path, **start) as slave:
         np.testing.assert_array_equal(get(slave, (*POSE, *RATES)), [*pose, *rate])
         put(slave, **dict(zip(TORQUES, first, strict=True)))
-        for step in range(400):
-            if step == 200:
+        for step in range(2 * steps):
+            if step == steps:
                 put(slave, **dict(zip(TORQUES, second, strict=True)))
                 put(slave, payload_mass=4.0, payload_inertia=0.03)
-            slave.doStep(currentCommunicationPoint=1e-3 * step, communicationStepSize=1e-3)
+            slave.doStep(currentCommunicationPoint=each * step, communicationStepSize=each)
         np.testing.assert_allclose(get(slave, (*POSE, *RATES)), state, rtol=0, atol=1e-11)
         found = inverse_kinematics(design.geometry, state[:4])
         np.testing.assert_allclose(get(slave, ACTUATORS), found.actuators, rtol=0, atol=1e-11)
@@ -274,6 +275,24 @@ def test_inverse_block_is_inverse_dynamics(tmp_path: Path) -> None:
         assert slave.getInteger([0]) == [2]
 
 
+POSE_BEFORE = np.array([0.20, 0.02, 0.1, -0.55])
+RATES_BEFORE = np.array([1.0, 0.1, 0.0, 0.0])
+
+
+@cache
+def past_the_singularity() -> np.ndarray:
+    """Pose and rates 0.1 s later, with the torques that hold the robot before."""
+    torque = static_torques(APPENDIX_4, POSE_BEFORE)
+
+    def growth(t: float, state: np.ndarray) -> np.ndarray:
+        found = forward_dynamics(APPENDIX_4, state[:4], state[4:], torque)
+        return np.concatenate([state[4:], found])
+
+    return solve_ivp(
+        growth, (0.0, 0.1), [*POSE_BEFORE, *RATES_BEFORE], method="DOP853", rtol=1e-10, atol=1e-12
+    ).y[:, -1]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("step_max", [1e-4, 1e-3, 1e-2])
 def test_a_type_2_singularity_is_passed_and_a_leg_axis_is_not(
@@ -281,26 +300,17 @@ def test_a_type_2_singularity_is_passed_and_a_leg_axis_is_not(
 ) -> None:
     """On the singular circle at theta = 0 a leg axis is met where P moves straight toward it."""
     path = written(tmp_path, APPENDIX_4, "plant")
-    pose, rates = np.array([0.20, 0.02, 0.1, -0.55]), np.array([1.0, 0.1, 0.0, 0.0])
-    torque = static_torques(APPENDIX_4, pose)
+    solved = past_the_singularity()
 
     def starts(pose: Any, rates: Any) -> dict[str, float]:
         named = zip((*POSE, *RATES), (*pose, *rates), strict=True)
         return {f"{name}_start": float(value) for name, value in named}
 
-    def growth(t: float, state: np.ndarray) -> np.ndarray:
-        found = forward_dynamics(APPENDIX_4, state[:4], state[4:], torque)
-        return np.concatenate([state[4:], found])
-
-    solved = solve_ivp(
-        growth, (0.0, 0.1), [*pose, *rates], method="DOP853", rtol=1e-10, atol=1e-12
-    ).y[:, -1]
-    first, last = platform_determinants([pose, solved[:4]])
+    first, last = platform_determinants([POSE_BEFORE, solved[:4]])
     assert first * last < 0
-    forces = dict(zip(TORQUES, torque, strict=True))
-    with running(
-        path, tmp_path / "crosses", **starts(pose, rates), **forces, step_max=step_max
-    ) as slave:
+    forces = dict(zip(TORQUES, static_torques(APPENDIX_4, POSE_BEFORE), strict=True))
+    before = starts(POSE_BEFORE, RATES_BEFORE)
+    with running(path, tmp_path / "crosses", **before, **forces, step_max=step_max) as slave:
         slave.doStep(0.0, 0.1)
         assert get(slave, (*POSE, *RATES)) == pytest.approx(solved, abs=1e2 * step_max**4 + 1e-9)
     axis = starts([0.0, 0.2, 0.0, -0.55], [0.0, 2.0, 0.0, 0.0])

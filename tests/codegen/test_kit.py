@@ -34,16 +34,28 @@ from tests.codegen.robots import DESIGNS, SIZES, loaded_robot
 from tests.support.documentation import missing
 
 
-def build(folder: Path, design: Design, compiler: str, *flags: str, single: bool = False) -> None:
+def write(folder: Path, design: Design, *, single: bool = False) -> None:
     for name, text in controller_kit(design, single=single).items():
         (folder / name).write_text(text)
+
+
+def build(folder: Path, design: Design, compiler: str, *flags: str, single: bool = False) -> None:
+    write(folder, design, single=single)
     command = [compiler, *STRICT, *(flags or ("-O1",)), "test.c", "-o", "test", "-lm"]
     built = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert built.returncode == 0, built.stderr[:2000]
 
 
-def run_test(folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(["./test"], cwd=folder, capture_output=True, text=True)
+def run_test(folder: Path, program: Path | str = "./test") -> subprocess.CompletedProcess[str]:
+    return subprocess.run([program], cwd=folder, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def appendix_4(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The kit of Appendix 4 with its test program, which reads the table of where it runs."""
+    folder = tmp_path_factory.mktemp("kit")
+    build(folder, APPENDIX_4, "gcc")
+    return folder
 
 
 @pytest.mark.slow
@@ -88,27 +100,26 @@ def test_single_precision_keeps_the_bounds_that_the_readme_states(
 
 
 @pytest.mark.slow
-def test_a_wrong_number_fails_the_test_program(tmp_path: Path) -> None:
-    build(tmp_path, APPENDIX_4, "gcc")
-    text = (tmp_path / "vectors.csv").read_text().splitlines()
+def test_a_wrong_number_fails_the_test_program(appendix_4: Path, tmp_path: Path) -> None:
+    text = (appendix_4 / "vectors.csv").read_text().splitlines()
     cells = text[5].split(",")
     column = text[0].split(",").index("torque_2")
     cells[column] = repr(float(cells[column]) * (1 + 1e-6))
     text[5] = ",".join(cells)
     (tmp_path / "vectors.csv").write_text("\n".join(text) + "\n")
-    done = run_test(tmp_path)
+    done = run_test(tmp_path, appendix_4 / "test")
     assert done.returncode == 1
     assert "FAILED" in done.stdout
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("content", [None, "", "pose_0,pose_1\n", "head\n1,2,three\n"])
-def test_an_unusable_table_is_no_success(content: str | None, tmp_path: Path) -> None:
-    build(tmp_path, APPENDIX_4, "gcc")
-    (tmp_path / "vectors.csv").unlink()
+def test_an_unusable_table_is_no_success(
+    content: str | None, appendix_4: Path, tmp_path: Path
+) -> None:
     if content is not None:
         (tmp_path / "vectors.csv").write_text(content)
-    done = run_test(tmp_path)
+    done = run_test(tmp_path, appendix_4 / "test")
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
 
@@ -191,7 +202,7 @@ def test_no_input_makes_undefined_behavior_and_no_failure_leaves_a_number(
 ) -> None:
     if not sanitizes(compiler, tmp_path):
         pytest.skip(f"{compiler} has no sanitizers here")
-    build(tmp_path, APPENDIX_4, compiler)
+    write(tmp_path, APPENDIX_4)
     (tmp_path / "misuse.c").write_text(MISUSE)
     command = [compiler, *STRICT, *SANITIZERS, "misuse.c", "-o", "misuse", "-lm"]
     built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
@@ -238,8 +249,7 @@ def test_masses_change_while_a_program_runs(tmp_path: Path) -> None:
             "inertias.b8_transverse": 0.07, "platform.mass": 4.0,
         }
     )  # fmt: skip
-    for name, text in controller_kit(design).items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, design)
     (tmp_path / "masses.c").write_text(MASSES)
     command = ["gcc", *STRICT, "masses.c", "-o", "masses", "-lm"]
     built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
@@ -287,8 +297,7 @@ int main(void)
 @pytest.mark.parametrize("compiler", compilers())
 def test_many_states_at_once_have_the_bits_of_numpy(compiler: str, tmp_path: Path) -> None:
     design = DESIGNS["loaded"]
-    for name, text in controller_kit(design).items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, design)
     (tmp_path / "columns.c").write_text(COLUMNS)
     flags = ["-O3", "-fno-math-errno", "-fno-trapping-math"]
     if compiler == "clang":
@@ -312,8 +321,7 @@ def test_many_states_at_once_have_the_bits_of_numpy(compiler: str, tmp_path: Pat
 @pytest.mark.slow
 def test_inverse_dynamics_is_small(tmp_path: Path) -> None:
     """Its text is at most 12 kB at -Os, with all that it calls."""
-    for name, text in controller_kit(APPENDIX_4).items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, APPENDIX_4)
     small = text_size(tmp_path, "-Os", "-ffp-contract=off")
     assert 4_000 < small <= GOALS["bytes"]
 

@@ -33,7 +33,7 @@ from tests.codegen.printed import (
     table,
 )
 
-STATES = 100_000
+STATES = 20_000
 
 
 def run_js(folder: Path, program: str, rows: np.ndarray) -> np.ndarray:
