@@ -15,17 +15,17 @@ from tests.support.identification_logs import simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
 QUICK = IdentificationSettings(robustness=False)
-MOTIONS, NOISES = 10, 30
+MOTIONS, NOISES = 10, 15
 RATE = 100.0
 """Samples a second. The noise is correlated over 20 ms, two samples, and the filter passes 10 Hz:
 more samples cost time and say nothing else about intervals."""
 
-SEARCHED = 5
-"""Logs of each motion that are searched for causes: 50 in all."""
+SEARCHED = 3
+"""Logs of each motion that are searched for causes: 30 in all."""
 
 
 class Study(NamedTuple):
-    """Estimates of all logs: errors over half widths (300, p), z of the identity, logs accused."""
+    """Estimates of all logs: errors over half widths (150, p), z of the identity, logs accused."""
 
     errors: Any
     z: Any
@@ -55,7 +55,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
 
 @pytest.mark.slow
 def test_a_right_robot_is_hardly_ever_accused() -> None:
-    assert study().accused <= 1
+    assert study().accused == 0
     judged = study().z[np.isfinite(study().z)]
     assert len(judged) > 0.98 * len(study().z)
     assert (np.abs(judged) < 3).mean() > 0.98
