@@ -74,11 +74,12 @@ def possible_causes(identification: Identification) -> list[PossibleCause]:
     signals, design = identification.signals, identification.design
     fitted = {item.symbol: item.value for item in identification.estimates}
     b = np.array([fitted[symbol] for symbol in BASE_SYMBOLS])
+    before = _torques(design.geometry, signals, b)
     return [
         *([] if identification.settings.legs else _bars(design, signals)),
-        *_zeros(design.geometry, signals, b),
+        *_zeros(design.geometry, signals, b, before),
         *_actuators(identification),
-        *_lengths(design.geometry, signals, b),
+        *_lengths(design.geometry, signals, b, before),
         *_springs(design, signals),
     ]
 
@@ -101,9 +102,9 @@ def _bars(design: Design, signals: Signals) -> list[PossibleCause]:
     return found
 
 
-def _zeros(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCause]:
+def _zeros(geometry: Geometry, signals: Signals, b: Array, before: Array) -> list[PossibleCause]:
     """Encoders whose zero is off: the actuator is where they show, less that."""
-    found, before = [], _torques(geometry, signals, b)
+    found = []
     for place in range(4):
         column = (_torques(geometry, signals, b, -STEP * np.eye(4)[place]) - before) / STEP
         unit, plausible = ("m", 5e-3) if place == 3 else ("rad", np.radians(1.0))
@@ -112,9 +113,9 @@ def _zeros(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCause
     return found
 
 
-def _lengths(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCause]:
+def _lengths(geometry: Geometry, signals: Signals, b: Array, before: Array) -> list[PossibleCause]:
     """Lengths that are larger than the design's."""
-    found, before = [], _torques(geometry, signals, b)
+    found = []
     for name, (symbol, plausible) in LENGTHS.items():
         longer = replace(geometry, **{name: getattr(geometry, name) + STEP})
         column = (_torques(longer, signals, b) - before) / STEP

@@ -275,7 +275,7 @@ def test_a_short_time_is_not_spent_on_random_motions_alone(monkeypatch: pytest.M
 def test_best_motion_keeps_its_limits_and_beats_300_random_ones() -> None:
     """A small budget is enough for 8 of the 15; `benchmarks/excitation_speed.py` has the rest."""
     limits = limits_of(ROBOT)
-    settings = ExcitationSettings(period=PERIOD, evaluations=250, seconds=1e4)
+    settings = ExcitationSettings(period=PERIOD, evaluations=160, seconds=1e4)
     found = optimize_excitation(ROBOT, limits, settings)
     assert found.random == 300
     assert found.gain > 8.0
