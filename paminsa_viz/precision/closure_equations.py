@@ -53,7 +53,7 @@ def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquat
     outward = _horizontal(lengths[..., INDEX["axis_angle"]])
     inner = _horizontal(lengths[..., INDEX["joint_angle"]])  # c_k's direction in the platform
     joint = length["joint_radius"] * inner + length["joint_height"] * _UP
-    turn = _rotation(state)
+    turn, right = _turns(state[:, 2], state[:, 4:6])
     back = np.swapaxes(turn, -1, -2)
     held = joint @ back  # R c_k
     own = length["axis_radius"] * outward
@@ -67,7 +67,7 @@ def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquat
     by_state[..., 0, 0] = by_state[..., 1, 1] = by_state[..., 2, 3] = -1.0
     by_state[..., 2] = -_left(held)
     # d(R c) = R (J_r dt x c) = -R [c]x J_r dt
-    tilted = turn[:, None] @ _cross_matrix(joint) @ _right_jacobian(state[:, 4:6])[:, None]
+    tilted = turn[:, None] @ _cross_matrix(joint) @ right[:, None]
     by_state[..., 4:6] = tilted[..., :2]
     for leg in range(3):
         by_state[:, leg, :, 6 + leg] = moved[:, leg, :, PLANE_COLUMN["slide"]]
@@ -92,48 +92,44 @@ _OF_PLANE = tuple(name for name in PLANE_INPUTS if name in INDEX)
 
 
 def _horizontal(angle: Array) -> Array:
-    return np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)
+    found = np.zeros((*angle.shape, 3))
+    found[..., 0], found[..., 1] = np.cos(angle), np.sin(angle)
+    return found
 
 
 def _left(vector: Array) -> Array:
     """Return z x v for vectors (..., 3)."""
-    zero = np.zeros_like(vector[..., 0])
-    return np.stack([-vector[..., 1], vector[..., 0], zero], axis=-1)
+    found = np.zeros_like(vector)
+    found[..., 0], found[..., 1] = -vector[..., 1], vector[..., 0]
+    return found
 
 
 def _cross_matrix(vector: Array) -> Array:
-    x, y, z = np.moveaxis(vector, -1, 0)
-    zero = np.zeros_like(x)
-    rows = ((zero, -z, y), (z, zero, -x), (-y, x, zero))
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    matrix = np.zeros((*vector.shape, 3))
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(vector, -1, 0)
+    matrix[..., 1, 2], matrix[..., 2, 0], matrix[..., 0, 1] = np.moveaxis(-vector, -1, 0)
+    return matrix
 
 
-def _rotation(state: Array) -> Array:
-    """Return R = R_z(theta) exp(tilt), (n, 3, 3)."""
-    c, s = np.cos(state[:, 2]), np.sin(state[:, 2])
-    zero, one = np.zeros_like(c), np.ones_like(c)
-    rows = ((c, -s, zero), (s, c, zero), (zero, zero, one))
-    about_z = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-    tilt = _tilt_matrix(state[:, 4:6])
-    size = np.hypot(state[:, 4], state[:, 5])[:, None, None]
-    half = np.sinc(0.5 * size / np.pi)
-    return about_z @ (np.eye(3) + np.sinc(size / np.pi) * tilt + 0.5 * half**2 * tilt @ tilt)
-
-
-def _right_jacobian(tilt: Array) -> Array:
-    """Return J_r with exp(t + dt) = exp(t) exp(J_r dt), (n, 3, 3)."""
-    matrix = _tilt_matrix(tilt)
+def _turns(theta: Array, tilt: Array) -> tuple[Array, Array]:
+    """Return R = R_z(theta) exp(tilt), and J_r with exp(t + dt) = exp(t) exp(J_r dt), (n, 3, 3)."""
+    about_z = np.zeros((len(theta), 3, 3))
+    about_z[:, 0, 0] = about_z[:, 1, 1] = np.cos(theta)
+    about_z[:, 1, 0] = np.sin(theta)
+    about_z[:, 0, 1] = -about_z[:, 1, 0]
+    about_z[:, 2, 2] = 1.0
+    vector = np.zeros((len(theta), 3))
+    vector[:, :2] = tilt
+    matrix = _cross_matrix(vector)
     size = np.hypot(tilt[:, 0], tilt[:, 1])[:, None, None]
+    half = np.sinc(0.5 * size / np.pi)
+    turn = about_z @ (np.eye(3) + np.sinc(size / np.pi) * matrix + 0.5 * half**2 * matrix @ matrix)
     square = size**2
     series = 1 / 6 - square / 120 + square**2 / 5040
     exact = (size - np.sin(size)) / np.where(size > 0, size**3, 1.0)
-    half = np.sinc(0.5 * size / np.pi)
-    return (
+    right = (
         np.eye(3)
         - 0.5 * half**2 * matrix
         + np.where(size < 0.01, series, exact) * (matrix @ matrix)
     )
-
-
-def _tilt_matrix(tilt: Array) -> Array:
-    return _cross_matrix(np.concatenate([tilt, np.zeros_like(tilt[:, :1])], axis=-1))
+    return turn, right

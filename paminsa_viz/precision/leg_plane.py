@@ -53,9 +53,9 @@ def solve_leg(lengths: Array, slide: Array, lift: Array, root: float) -> LegPlan
         root: Branch of the knee, `KneeBranch.sign`.
     """
     length = {name: lengths[..., index] for name, index in INDEX.items()}
-    p8 = np.stack(np.broadcast_arrays(slide, length["guide_height"]), axis=-1)
     height = lift - length["shaft"]
-    p3 = np.stack(np.broadcast_arrays(np.zeros_like(height), height), axis=-1)
+    p8, p3 = np.zeros((2, *np.broadcast_shapes(slide.shape, height.shape), 2))
+    p8[..., 0], p8[..., 1], p3[..., 1] = slide, length["guide_height"], height
     p7 = _intersection(p8, length["bar_87"], p3, length["bar_37"], root)
     bar_43 = (p7 - p3) / length["bar_37"][..., None]
     p4 = p3 - bar_43 * length["bar_43"][..., None]
@@ -119,7 +119,9 @@ def joint_5_derivatives(lengths: Array, plane: LegPlane) -> Array:
 
 def _left(vector: Array) -> Array:
     """Return vectors (..., 2) turned by +90 degrees."""
-    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+    found = np.empty_like(vector)
+    found[..., 0], found[..., 1] = -vector[..., 1], vector[..., 0]
+    return found
 
 
 def _solve_pair(a: Array, b: Array, right: Array) -> tuple[Array, Array]:

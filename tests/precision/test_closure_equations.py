@@ -14,7 +14,7 @@ from paminsa_viz.precision.closure_equations import (
     ACTUATORS,
     SLIDES,
     STATE,
-    _right_jacobian,
+    _turns,
     closure_equations,
 )
 from paminsa_viz.precision.leg_lengths import INDEX, nominal_lengths
@@ -152,7 +152,7 @@ def test_tilts_turn_as_their_exponentials_from_tiny_to_large_ones() -> None:
     for size in (0.0, 1e-9, 1e-4, 0.00999, 0.01001, 0.5, 2.5):
         way = rng.normal(size=2)
         tilt = size * way / np.linalg.norm(way)
-        jacobian = _right_jacobian(tilt[None])[0]
+        jacobian = _turns(np.zeros(1), tilt[None])[1][0]
         for axis in range(2):
             step = 1e-5 * np.eye(3)[axis]
             ahead, behind = (Rotation.from_rotvec(np.append(tilt, 0.0) + s) for s in (step, -step))

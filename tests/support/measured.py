@@ -77,7 +77,7 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "selective_z": selective[..., 3],
         "conditioning": 1 / measured.condition,
         **_errors(design, pose),
-        **_manufacture(design, pose),
+        **by_manufacture(design, pose),
         **_joint_forces(design, pose),
     }  # fmt: skip
     return {
@@ -112,7 +112,7 @@ def _errors(design: Design, pose: Any) -> dict[str, Any]:
     }
 
 
-def _manufacture(design: Design, pose: Any) -> dict[str, Any]:
+def by_manufacture(design: Design, pose: Any) -> dict[str, Any]:
     """Return the errors by tolerances and deviations by their keys."""
     found = tolerance_errors(design, pose)
     moved = manufactured_pose(design, pose)
