@@ -214,6 +214,7 @@ def play(
     wrench = np.array(design.load.wrench) + np.zeros((t.size, 6))
     if loads is not None:
         wrench = wrench + as_numbers(loads, "loads")
+    pushed = bool(wrench.any())
     found, gap = np.full_like(wanted, np.nan), np.full(t.size, np.nan)
     stray, until = np.full(t.size, np.nan), 0
     for index, now in enumerate(t):
@@ -223,7 +224,7 @@ def play(
             model.opt.timestep = (now - before) / count
             for part in (np.arange(count) + 0.5) / count:
                 data.ctrl[:] = (1 - part) * force[index - 1] + part * force[index]
-                if wrench.any():
+                if pushed:
                     mujoco.mj_kinematics(model, data)
                     robot.push((1 - part) * wrench[index - 1] + part * wrench[index])
                 mujoco.mj_step(model, data)
@@ -231,7 +232,7 @@ def play(
         pose = robot.pose(data.qpos)
         off = _stray(pose - wanted[index], design.geometry.platform_radius)
         # After a warning it has started over by itself.
-        if not np.isfinite(off) or any(warning.number for warning in data.warning):
+        if not np.isfinite(off) or np.any(data.warning.number):
             break
         found[index], stray[index] = pose, off
         gap[index] = np.abs(data.efc_pos).max()
