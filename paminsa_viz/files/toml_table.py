@@ -30,9 +30,9 @@ def find_line(text: str, key: str) -> int | None:
                 table = path = f"{path}.{counts[path]}"
         else:
             name = _left_side(line)
-            path = f"{table}.{_plain(name)}" if table else _plain(name)
             if not name:
                 continue
+            path = f"{table}.{_plain(name)}" if table else _plain(name)
         if path == key or path.startswith(f"{key}."):
             return number
     return None

@@ -53,10 +53,12 @@ def read_table(kind: TableKind, text: str) -> None:
 
 
 def read_tables(text: str) -> None:
-    """Read rows, a cell of the header, and cells of a row."""
+    """Read a header, cells of a row, and a cell of the header."""
+    with suppress(PaminsaError):
+        read_table(POSES, text)  # no kind has such a header
     for kind in (POSES, TRAJECTORY):
         head = ",".join(kind.needed) + "\n"
-        for part in (text, head + text, f"x[{text[: LONGEST_ROW - 1000]}],y\n"):
+        for part in (head + text, f"x[{text[: LONGEST_ROW - 1000]}],y\n"):
             with suppress(PaminsaError):
                 read_table(kind, part)
 
