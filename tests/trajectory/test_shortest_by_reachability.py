@@ -19,7 +19,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.trajectory import MotionLimits, circle, point_to_point, shortest_motion
 from tests.trajectory.plans import A, B, C
 
-CELLS = 400
+CELLS = 200
 RADIUS = 0.06
 LIMITS = MotionLimits(torque=7.0, force=450.0)
 
