@@ -6,8 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from paminsa_viz import __version__
 from paminsa_viz.cli import main
+from paminsa_viz.files.columns import TRAJECTORY
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.trajectory import paper_like
 
 SCREEN = 24 * 80
 """Characters on a screen of a terminal: more than that, and a refusal hides where it begins."""
@@ -42,3 +47,11 @@ def check_refused(command: str, capsys, *words: str, place: str) -> None:
     assert len(err) <= SCREEN
     assert place in err
     assert {path: path.read_bytes() for path in Path().iterdir() if path.is_file()} == before
+
+
+def write_short_motion(path: Path) -> None:
+    """Write a motion of 0.3 s, 31 samples, as a table that commands read."""
+    t = paper_like(APPENDIX_4.geometry).lasting(0.3).sample(100)
+    rows = np.column_stack([t.t, t.pose, t.velocity, t.acceleration]).tolist()
+    lines = [TRAJECTORY.columns[: len(rows[0])], *(map(repr, row) for row in rows)]
+    path.write_text("\n".join(map(",".join, lines)) + "\n")
