@@ -9,6 +9,7 @@ import runpy
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,6 +17,7 @@ from pathlib import Path
 import pytest
 
 import paminsa_viz
+from paminsa_viz import synthesis
 from paminsa_viz.cli import COMMANDS, command_module
 from paminsa_viz.cli.arguments import parse
 from paminsa_viz.explorer.tabs import sections
@@ -116,7 +118,11 @@ CODE = [
 @pytest.mark.slow
 @pytest.mark.parametrize("code", CODE)
 def test_python_in_the_documentation_runs(code, tmp_path, monkeypatch) -> None:
+    """As it stands; searches end after a few generations."""
     monkeypatch.chdir(tmp_path)
+    whole = synthesis.load_case
+    short = synthesis.Effort(generations=6, population=4)
+    monkeypatch.setattr(synthesis, "load_case", lambda path: replace(whole(path), effort=short))
     exec(compile(code, "documentation", "exec"), {})
 
 
