@@ -52,11 +52,12 @@ class _Torques(NamedTuple):
     def change(self, slower: float) -> PayloadChange:
         without = self.gravity + self.bare / slower**2
         carrying = self.gravity + self.full / slower**2
-        peak, mean = np.abs(without).max(axis=0), rms(self.t, without)
+        peak = np.abs(without).max(axis=0)
+        mean, loaded = rms(self.t, np.stack([without, carrying], axis=1))
         return PayloadChange(
             float((np.abs(carrying - without).max(axis=0) / peak).max()),
             float(np.abs(np.abs(carrying).max(axis=0) / peak - 1).max()),
-            float(np.abs(rms(self.t, carrying) / mean - 1).max()),
+            float(np.abs(loaded / mean - 1).max()),
         )
 
 
@@ -101,7 +102,11 @@ def payload_time_scaling(
     require_positive(share, "share")
     torques = _torques(design, motion, mass)
     grid = np.geomspace(SLOWEST, FASTEST, SCANNED)
-    exceeds = np.array([torques.change(slower) for slower in grid]) > share
+    exceeds = np.zeros((SCANNED, 3), np.bool_)
+    for index, slower in enumerate(grid):
+        exceeds[index] = np.array(torques.change(slower)) > share
+        if exceeds.any(axis=0).all():  # only where each first exceeds it counts
+            break
     found = []
     for reading in range(3):
         first = int(exceeds[:, reading].argmax())
