@@ -18,13 +18,14 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.design import PARAMETER
+from tests.support.commands import write_short_motion
 from tests.support.samples import edge_designs
 
 LENGTHS = tuple(path for path in PARAMETER if path.startswith("geometry."))
 
 COMMANDS = (
-    "verify --poses 5 --rate 50",
-    "export --mjcf out.xml --glb out.glb",
+    "verify --poses 5 --file short.csv",
+    "export --mjcf out.xml",
     "export --mjcf out.xml --motors",
     "loads",
     "accuracy",
@@ -37,10 +38,12 @@ COMMANDS = (
     "trajectory --rate 50 --out motion.csv",
     "requirements check --require condition<=20 --cylinder 100 100 --center 0 0 -600",
     "code --out code",
-    "page --out page.html",
     "calibrate --propose 20 --out poses.csv",
 )
 """Commands that take no long time; a design is added where it is not named."""
+
+OF_BODIES = ("export --glb out.glb", "page --out page.html")
+"""Commands that make all bodies, which the lengths alone decide."""
 
 
 def attempt(command: str) -> None:
@@ -65,6 +68,7 @@ def test_every_command_answers_or_refuses_in_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     save_design(design, "d.toml")
+    write_short_motion(Path("short.csv"))
     for command in COMMANDS:
         attempt(command)
         if Path("out.xml").exists():
@@ -73,15 +77,38 @@ def test_every_command_answers_or_refuses_in_one_line(
 
 
 @pytest.mark.slow
+@settings(max_examples=3, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(design=edge_designs(LENGTHS))
+@example(design=APPENDIX_4.vary({"geometry.shaft_length": 0.0}))
+def test_bodies_are_written_or_refused_in_one_line(
+    design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    save_design(design, "d.toml")
+    for command in OF_BODIES:
+        attempt(command)
+
+
+@pytest.mark.slow
 @settings(max_examples=1, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(design=edge_designs())
-@example(design=APPENDIX_4.vary({"geometry.shaft_length": 0.0}))
+@pytest.mark.usefixtures("without_pictures")
 def test_report_is_written_or_refused_in_one_line(
     design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     save_design(design, "d.toml")
     attempt("report --no-verify --out report.html")
+
+
+@pytest.mark.slow
+def test_report_with_its_pictures_is_written_without_shafts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    save_design(APPENDIX_4.vary({"geometry.shaft_length": 0.0}), "d.toml")
+    attempt("report --no-verify --out report.html")
+    assert Path("report.html").exists()
 
 
 @pytest.mark.slow
