@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 def test_the_saved_robot_is_that_of_the_answer(capsys) -> None:
-    words = ("small.toml", "--out", "best.toml", "--checkpoint", "at.json", "--prove", "2")
+    search = ("small.toml", "--allow-overlap")  # its clearance would take longest
+    words = (*search, "--out", "best.toml", "--checkpoint", "at.json", "--prove", "2")
     found = run_json("synthesize", capsys, *words)
     assert found["feasible"]
     assert found["regime"] == "R_pl < R_b"
@@ -57,7 +59,7 @@ def test_the_saved_robot_is_that_of_the_answer(capsys) -> None:
     again = run_json("synthesize", capsys, *words[:-2])
     assert again["trials"] == found["trials"]
     assert again["design"] == found["design"]
-    other = run_json("synthesize", capsys, "small.toml", "--seed", "5")
+    other = run_json("synthesize", capsys, *search, "--seed", "5")
     assert other["design"] != found["design"]
 
 
@@ -151,7 +153,8 @@ def test_prices_robots_within_tolerances_and_mujoco(capsys) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("without_pictures", "report_of_the_motion")
-def test_the_report_is_that_of_the_robot_with_its_search(capsys) -> None:
+def test_the_report_is_that_of_the_robot_with_its_search(capsys, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)  # verified elsewhere
     words = ("small.toml", "--allow-overlap", "--seed", "3", "--out", "best.toml")
     words += ("--report", "best.html")  # its maps of the clearance would take longest
     code, out, _ = run("synthesize", capsys, *words, "--json")
