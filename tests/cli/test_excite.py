@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
+from paminsa_viz.cli import excite
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model import APPENDIX_4, actuator_velocity, static_torques
 from paminsa_viz.trajectory import preset_center
@@ -14,8 +17,10 @@ SHORT = ("--evaluations", "5", "--period", "6")
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def few_random_motions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Start the search with 20 of them, as the first 300 would take longest."""
+    few = partial(excite.ExcitationSettings, random=20)
+    monkeypatch.setattr(excite, "ExcitationSettings", few)
 
 
 @pytest.mark.slow
@@ -40,7 +45,7 @@ def test_table_for_people_names_every_limit(capsys) -> None:
     code, out, err = run("excite", capsys, *SHORT)
     assert code == 0
     assert err == "searching for up to 60 s ...\n"
-    assert "of the best of 300 random motions" in out
+    assert "of the best of 20 random motions" in out
     for name in ("speed of M1", "force of M4", "condition number", "distance to the limits"):
         assert name in out
 
