@@ -16,7 +16,7 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.exports import TARGETS
 from paminsa_viz.files.archives import zipped
-from paminsa_viz.files.atomic import check_writable, write_files
+from paminsa_viz.files.atomic import check_folder, check_writable, write_files
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -68,6 +68,8 @@ class Export(PoseFlags, DesignFlags):
             check_output(f"--{name}", path, TARGETS[name].endings)
         if self.meshes is not None and self.meshes.suffix.lower() in _OTHER_THAN_FOLDERS:
             raise UsageError(f"--meshes {self.meshes}: a folder or a .zip file is needed")
+        if self.meshes is not None and self.meshes.suffix.lower() != ".zip":
+            check_folder(self.meshes)
         design = self.given_design()
         pose = start_pose(design) if self.given_pose is None else np.array(self.given_pose)
         require_reachable(design.geometry, pose)

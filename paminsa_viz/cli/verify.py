@@ -17,7 +17,7 @@ from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, verify
 from paminsa_viz.errors import FileError, InvalidInput
-from paminsa_viz.files.atomic import as_file_error, make_folder, write_bytes
+from paminsa_viz.files.atomic import as_file_error, check_folder, make_folder, write_bytes
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import number
 
@@ -65,6 +65,8 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
     def run(self) -> int:
         """Compare, and return the verdict."""
         check_needs(self, self.figures, "--figures", "format")
+        if self.figures is not None:
+            check_folder(self.figures)
         if self.report is not None:
             check_output("--report", self.report, [".html", ".htm"])
         design = self.given_design()

@@ -113,6 +113,23 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise FileError(os.fspath(path), "cannot be written: its folder allows no new file")
 
 
+def check_folder(path: Path) -> None:
+    """Check that a folder is there or can be made, as far as can be told without making it.
+
+    Raises:
+        FileError: If the next folder above it that there is allows nothing new, or is a file.
+    """
+    try:
+        whole = path.absolute()
+        there = next(one for one in (whole, *whole.parents) if one.exists())
+    except OSError as error:
+        raise as_file_error(str(path), error, "written") from error
+    if not there.is_dir():
+        raise FileError(str(path), f"cannot be written: {there.name} is no folder")
+    if not os.access(there, os.W_OK):
+        raise FileError(str(path), "cannot be written: its folder allows no new file")
+
+
 def make_folder(path: Path) -> None:
     """Make a folder and those that it is in, where they are not there.
 

@@ -15,6 +15,7 @@ import pytest
 from paminsa_viz.errors import FileError
 from paminsa_viz.files import atomic
 from paminsa_viz.files.atomic import (
+    check_folder,
     check_writable,
     make_folder,
     open_atomically,
@@ -238,6 +239,21 @@ def test_what_cannot_be_written_is_known_before(tmp_path: Path, monkeypatch) -> 
     monkeypatch.setattr(os, "access", lambda path, mode: False)
     with pytest.raises(FileError, match="its folder allows no new file"):
         check_writable(tmp_path / "new.txt")
+
+
+def test_what_is_no_folder_is_known_before(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "a.txt").write_text("old")
+    for name in (".", "new", "new/deeper"):
+        check_folder(tmp_path / name)
+    for name in ("a.txt", "a.txt/b/c"):
+        with pytest.raises(FileError, match=r"cannot be written: a\.txt is no folder"):
+            check_folder(tmp_path / name)
+    with pytest.raises(FileError, match="cannot be written: "):
+        check_folder(tmp_path / ("long" * 200))
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    with pytest.raises(FileError, match="its folder allows no new file"):
+        check_folder(tmp_path / "new" / "deeper")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
 def test_folders_are_made_with_those_that_they_are_in(tmp_path: Path) -> None:
