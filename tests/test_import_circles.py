@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -23,10 +24,18 @@ def _modules() -> dict[str, Path]:
     return {_name(file): file for file in sorted(ROOT.rglob("*.py"))}
 
 
+def _statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield what can hold an import, and imports: an expression, most of a file, can not."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case):
+            yield node
+            yield from _statements(node)
+
+
 def _imports(file: Path, modules: dict[str, Path]) -> set[str]:
     """Return the modules whose names the file takes, from whatever place in it."""
     names: set[str] = set()
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in _statements(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
