@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pytest
 
-from paminsa_viz.cli import excite
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model import APPENDIX_4, actuator_velocity, static_torques
 from paminsa_viz.trajectory import preset_center
@@ -16,11 +13,7 @@ from tests.support.commands import run, run_json
 SHORT = ("--evaluations", "5", "--period", "6")
 
 
-@pytest.fixture(autouse=True)
-def few_random_motions(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Start the search with 20 of them, as the first 300 would take longest."""
-    few = partial(excite.ExcitationSettings, random=20)
-    monkeypatch.setattr(excite, "ExcitationSettings", few)
+pytestmark = pytest.mark.usefixtures("few_random_motions")
 
 
 @pytest.mark.slow

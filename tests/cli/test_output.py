@@ -55,6 +55,7 @@ def test_an_attribute_that_is_none_is_refused() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_random_motions")
 def test_a_negative_result_is_json_too(tmp_path: Path, capsys: Any) -> None:
     far = tmp_path / "far.csv"
     far.write_text("t_s,x_m,y_m,theta_rad,z_m\n0,2,0,0,-0.5\n1,2,0,0,-0.6\n")
@@ -135,6 +136,7 @@ HEADED = "balance|balance --goal peak|clearance|drives|drives --ratios|excite --
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_random_motions")
 @pytest.mark.parametrize("words", HEADED.split("|"))
 def test_numbers_are_below_the_name_of_their_design(words: str, capsys: Any) -> None:
     assert main(words.split()) == 0
