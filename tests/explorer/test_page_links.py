@@ -39,9 +39,20 @@ def wait_followed(tab: Tab) -> None:
     until(lambda: address(tab) == tab.state.document, "the address follows the work")
 
 
-def test_copied_link_opens_the_design_elsewhere(tab: Tab, open_tab: Callable[..., Tab]) -> None:
+def test_copied_link_opens_the_design_its_section_and_its_map_elsewhere(
+    tab: Tab, open_tab: Callable[..., Tab]
+) -> None:
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     tab.dispatch(lambda state: replace(state, document=OTHER))
+    tab.open_tab("Stiffness")
+    tab.open_tab("Single map")
+    tab.dispatch(partial(choose_quantity, quantity="stiffness_z"))
+    shown = ["section=Strength/Stiffness", "beside=Single map", "map=stiffness_z"]
+
+    def parts(page: Tab) -> list[str]:
+        return unquote(page.page.evaluate("location.hash")).split("&")[1:]
+
+    until(lambda: parts(tab) == shown, "the address says what is shown")
     tab.open_tab("File")
     tab.click("Copy link")
     tab.page.get_by_text("Link: it opens this design").wait_for()
@@ -50,19 +61,28 @@ def test_copied_link_opens_the_design_elsewhere(tab: Tab, open_tab: Callable[...
     tab.page.evaluate("navigator.clipboard.writeText('')")
     tab.page.keyboard.press("Control+Shift+l")
     until(lambda: tab.page.evaluate("navigator.clipboard.readText()") == link, "it is copied again")
+    assert link.endswith(tab.page.evaluate("location.hash")), "the address is as good a link"
     # The tab's address has a query, with which viser drops what follows the #.
-    other = open_tab(link=link.partition("#")[2])
+    code = link.partition("#")[2]
+    other = open_tab(link=code)
     until(lambda: other.state.document == OTHER, "the link is opened")
     other.wait_platform(OTHER.pose)
+    section = other.page.get_by_role("tab", name="Stiffness", exact=True)
+    until(lambda: section.get_attribute("aria-selected") == "true", "the section is open")
+    until(lambda: other.state.map_view.quantity == "stiffness_z", "the map")
+    until(lambda: parts(other) == shown, "its address says the same")
     wait_followed(other)
     other.session.undo()
     until(lambda: other.state.document.design == APPENDIX_4, "undo goes back")
     wait_followed(other)
+    other.open_tab("Path")
+    until(lambda: parts(other)[0] == "section=Motion/Path", "the address follows")
+    other.page.evaluate("link => { location.hash = link }", code)
+    until(lambda: other.state.workspace == "Strength", "a link opens in an open page too")
+    until(lambda: parts(other) == shown, "its address says so")
 
 
-def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(
-    tab: Tab, open_tab: Callable[..., Tab]
-) -> None:
+def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(tab: Tab) -> None:
     tab.press("x  [mm]", "ArrowRight", 3)
     tab.dispatch(lambda state: actions.set_layers(state, path=False))
     tab.wait_saved()
@@ -73,33 +93,6 @@ def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(
     until(lambda: (tab.state.document, tab.state.layers) == (before, layers), "all is back")
     assert not tab.state.offered
     wait_followed(tab)
-    bookmark = open_tab(link=tab.page.url.partition("#")[2])
-    until(lambda: bookmark.state.document == before, "the bookmark opens")
-
-
-def test_link_opens_the_section_and_the_map_that_its_page_shows(
-    tab: Tab, open_tab: Callable[..., Tab]
-) -> None:
-    tab.open_tab("Stiffness")
-    tab.open_tab("Single map")
-    tab.dispatch(partial(choose_quantity, quantity="stiffness_z"))
-    shown = ["section=Strength/Stiffness", "beside=Single map", "map=stiffness_z"]
-
-    def parts(page: Tab) -> list[str]:
-        return unquote(page.page.evaluate("location.hash")).split("&")[1:]
-
-    until(lambda: parts(tab) == shown, "the address says what is shown")
-    link = tab.page.evaluate("location.hash.slice(1)")
-    other = open_tab(link=link)
-    section = other.page.get_by_role("tab", name="Stiffness", exact=True)
-    until(lambda: section.get_attribute("aria-selected") == "true", "the section is open")
-    until(lambda: other.state.map_view.quantity == "stiffness_z", "the map")
-    until(lambda: parts(other) == shown, "its address says the same")
-    other.open_tab("Path")
-    until(lambda: parts(other)[0] == "section=Motion/Path", "the address follows")
-    other.page.evaluate("link => { location.hash = link }", link)
-    until(lambda: other.state.workspace == "Strength", "a link opens in an open page too")
-    until(lambda: parts(other) == shown, "its address says so")
 
 
 def test_link_in_a_tab_with_other_work_offers_that(open_tab: Callable[..., Tab]) -> None:
