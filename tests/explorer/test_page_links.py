@@ -95,8 +95,7 @@ def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(tab: Tab)
     wait_followed(tab)
 
 
-def test_link_in_a_tab_with_other_work_offers_that(open_tab: Callable[..., Tab]) -> None:
-    tab = open_tab()
+def test_link_in_a_tab_with_other_work_offers_that(tab: Tab) -> None:
     tab.dispatch(lambda state: actions.move(state, x=0.02))
     tab.wait_saved()
     wait_followed(tab)

@@ -175,8 +175,8 @@ class Tab:
         if not drawn:
             page.add_init_script(UNDRAWN)
         page.set_default_timeout(1000 * TIMEOUT)
-        fixed = "" if pixel_ratio is None else f"?fixedDpr={pixel_ratio}"
-        self._load(lambda: page.goto(f"{app.url}{fixed}#{link}".rstrip("#")))
+        self._address = app.url if pixel_ratio is None else f"{app.url}?fixedDpr={pixel_ratio}"
+        self._load(lambda: page.goto(f"{self._address}#{link}".rstrip("#")))
 
     def set_drawn(self, drawn: bool) -> None:
         """Draw the 3D view from now on, or leave it empty."""
@@ -185,7 +185,7 @@ class Tab:
     def open_link(self, link: str) -> None:
         """Load the page by a link, in a new session; from elsewhere, so that it is loaded."""
         self.page.goto("about:blank")
-        self._load(lambda: self.page.goto(f"{self.app.url}#{link}"))
+        self._load(lambda: self.page.goto(f"{self._address}#{link}"))
 
     def cut_connection(self) -> None:
         """Cut the connection; the page connects again, and all of it is made again."""
