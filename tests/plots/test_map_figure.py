@@ -123,7 +123,7 @@ def test_a_png_is_exactly_as_wide_as_asked_and_knows_its_size(width: float, dpi:
 
 @pytest.mark.parametrize("width", [85.0, 170.0])
 @pytest.mark.parametrize("quantities", [("max_torque",), TORQUES], ids=["one", "three"])
-@pytest.mark.parametrize("times", [1, 4, 40], ids=["usual", "large", "huge"])
+@pytest.mark.parametrize("times", [1, 40], ids=["usual", "huge"])
 def test_nothing_is_cut_off_at_the_edges(width: float, quantities: Any, times: int) -> None:
     data = real(31, quantities=quantities)
     data = replace(data, x=times * data.x, y=times * data.y)
@@ -147,9 +147,10 @@ def test_equal_input_gives_equal_bytes_in_any_thread(format: str) -> None:
     def draw(end: float) -> bytes:
         return render_maps(made_up(panels=1), Scale(-end, end), format, width_mm=85.0, dpi=60)
 
-    alone = [draw(end) for end in (1.0, 2.0)]
+    alone = draw(1.0)
     with ThreadPoolExecutor(2) as pool:
-        assert list(pool.map(draw, (1.0, 2.0))) == alone
+        other, same = pool.map(draw, (2.0, 1.0))
+    assert same == alone != other
 
 
 def test_an_svg_can_be_read_and_has_its_size() -> None:
@@ -204,18 +205,23 @@ def test_symbol_of_a_panel_has_its_index_below() -> None:
     pixels(render_maps(replace(one, names=("$x_{",)), SCALE, width_mm=85.0, dpi=60))
 
 
-def figures_of_all() -> list[tuple[str, ...]]:
-    """Return all quantities, up to three of one unit together."""
+def figures_of_all() -> list[tuple[tuple[str, ...], bool]]:
+    """Return all quantities, up to three of one unit together; and which are its first ones."""
     of_unit: dict[str, list[str]] = {}
     for quantity in QUANTITIES.values():
         of_unit.setdefault(quantity.unit, []).append(quantity.key)
-    return [tuple(keys[i : i + 3]) for keys in of_unit.values() for i in range(0, len(keys), 3)]
+    return [
+        (tuple(keys[i : i + 3]), i == 0)
+        for keys in of_unit.values()
+        for i in range(0, len(keys), 3)
+    ]
 
 
-@pytest.mark.parametrize("quantities", figures_of_all(), ids=lambda keys: keys[0])
-def test_every_quantity_can_be_printed(quantities: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(("quantities", "also_log"), figures_of_all())
+def test_every_quantity_can_be_printed(quantities: tuple[str, ...], also_log: bool) -> None:
+    """Logarithmic colors once a unit: nothing else of a quantity meets them but its range."""
     data = real(21, quantities=quantities)
-    for choice in (ScaleChoice(), LOG):
+    for choice in (ScaleChoice(), LOG) if also_log else (ScaleChoice(),):
         image = pixels(render_maps(data, choose_scales(data, choice), width_mm=180.0, dpi=60))
         assert image.shape[1] == 425
 
