@@ -57,7 +57,7 @@ from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
 from tests.synthesis.test_trials import GOOD, random_numbers
 
-BUILDABLE = replace(CYLINDER, allow_overlap=False, effort=Effort(60, 6), regimes=(Regime.SMALLER,))
+BUILDABLE = replace(CYLINDER, allow_overlap=False, effort=Effort(40, 6), regimes=(Regime.SMALLER,))
 
 lengths = st.fixed_dictionaries(
     {

@@ -235,7 +235,7 @@ def test_infeasible_bound_is_answered_with_the_least_possible_one() -> None:
     torque = Requirement("max_torque", high=1.0)
     bounds = (*CELL.requirements.bounds[:1], torque, Requirement("f_4", high=700.0))
     case = replace(
-        CELL, requirements=replace(CELL.requirements, bounds=bounds), effort=Effort(50, 6)
+        CELL, requirements=replace(CELL.requirements, bounds=bounds), effort=Effort(25, 6)
     )
     result = synthesize(case)
     assert not result.feasible
@@ -244,7 +244,7 @@ def test_infeasible_bound_is_answered_with_the_least_possible_one() -> None:
     assert np.isnan(nearest["condition"])  # whatever it is, 1 N m is too little
     possible = replace(torque, high=nearest["max_torque"] * 1.02)
     relaxed = replace(
-        case, effort=Effort(60, 6),
+        case, effort=Effort(40, 6),
         requirements=replace(case.requirements, bounds=(bounds[0], possible, bounds[2])),
     )  # fmt: skip
     assert synthesize(relaxed, relax=False).feasible
