@@ -17,7 +17,7 @@ from PIL import Image
 
 from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, Misprint
 from paminsa_viz.plots import series_builders, series_text
-from paminsa_viz.plots.formats import drawing
+from paminsa_viz.plots.formats import Credits, drawing, figure_file
 from paminsa_viz.plots.series import (
     FIGURES,
     EngineTorques,
@@ -176,12 +176,17 @@ def test_a_failure_between_two_samples_is_an_instant() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", FIGURES)
-def test_every_kind_is_a_picture_of_its_size(kind, analysis, everything) -> None:
+@pytest.mark.parametrize("kind", ["torques", "power", "energy", "tracking", "comparison"])
+def test_a_figure_of_several_sources_is_a_picture_of_its_size(kind, analysis, everything) -> None:
+    """Those of one source are looked at below, with their texts."""
     content = figure_bytes(kind, analysis, **everything, width_mm=85.0, dpi=60)
+    _check_picture(content, 85.0, 60)
+
+
+def _check_picture(content: bytes, width: float, dpi: int) -> None:
     image = Image.open(io.BytesIO(content))
-    assert image.width == round(85.0 / 25.4 * 60)
-    assert image.height < PAGE * 60
+    assert image.width == round(width / 25.4 * dpi)
+    assert image.height < PAGE * dpi
     assert np.asarray(image.convert("L")).std() > 10
 
 
@@ -210,6 +215,8 @@ def test_texts_are_inside_the_figure_and_do_not_overlap(
     with drawing():
         figure = draw_series(data, width, 150.0, data.title, series_text.caption(data))
         found = _texts(figure)
+        if width == 60.0:
+            _check_picture(figure_file(figure, "png", 150, Credits(kind, "")), width, 150)
         right, top = figure.bbox.max
     assert int(right) == round(width / 25.4 * 150)
     assert top < PAGE * 150
