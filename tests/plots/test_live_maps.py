@@ -101,11 +101,12 @@ def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread(
         *((one, (Scale(-1.5 - i, 1.5 + i),), 300) for i in range(3)),
     ]
     alone = [LiveMaps().draw(*request) for request in requests]
-    kept = [maps.draw(*request) for request in [*requests, *requests]]
+    kept = [maps.draw(*request) for request in requests]
+    again = [maps.draw(*request) for request in requests[-3:]]  # to one that is no longer kept
     with ThreadPoolExecutor(4) as pool:
         together = list(pool.map(lambda request: maps.draw(*request), requests))
-    for found in (kept[: len(alone)], kept[len(alone) :], together):
-        assert all(np.array_equal(a, b) for a, b in zip(found, alone, strict=True))
+    for found, wanted in ((kept, alone), (again, alone[-3:]), (together, alone)):
+        assert all(np.array_equal(a, b) for a, b in zip(found, wanted, strict=True))
     assert len({picture.tobytes() for picture in alone}) == len(requests)
     assert not np.shares_memory(kept[0], maps.draw(*requests[0]))
 
