@@ -25,7 +25,7 @@ def _modules() -> dict[str, Path]:
 
 
 def _statements(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield what can hold an import, and imports: an expression, most of a file, can not."""
+    """Yield all statements, nested ones as well; no expression contains an import."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case):
             yield node

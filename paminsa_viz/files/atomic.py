@@ -117,15 +117,14 @@ def check_folder(path: Path) -> None:
     """Check that a folder is there or can be made, as far as can be told without making it.
 
     Raises:
-        FileError: If the next folder above it that there is allows nothing new, or is a file.
+        FileError: If the nearest that exists, of it and the folders above it, is no folder or
+            allows no new file.
     """
-    try:
+    with file_errors(path, "written"):
         whole = path.absolute()
         there = next(one for one in (whole, *whole.parents) if one.exists())
-    except OSError as error:
-        raise as_file_error(str(path), error, "written") from error
     if not there.is_dir():
-        raise FileError(str(path), f"cannot be written: {there.name} is no folder")
+        raise FileError(str(path), f"cannot be written: {there.name} is not a directory")
     if not os.access(there, os.W_OK):
         raise FileError(str(path), "cannot be written: its folder allows no new file")
 

@@ -234,7 +234,12 @@ class _Side(NamedTuple):
     parts: list[tuple[Array, Array, Array]]
 
     def durations(self, load: Array, acting: Array) -> Array:
-        """Return what it requires with the loads at rest and the shares of friction, (n, 4)."""
+        """Return the durations (n,) that it requires [s].
+
+        Args:
+            load: The loads at rest, friction included, (n, 4) [N m; N].
+            acting: The shares of Coulomb friction that act, (n, 4).
+        """
         own = self.coulomb * acting[:, self.actuator]
         needed = [
             _longest(self.limit - self.sign * (share * load[:, self.actuator] + own), first, second)

@@ -246,7 +246,7 @@ def test_what_is_no_folder_is_known_before(tmp_path: Path, monkeypatch) -> None:
     for name in (".", "new", "new/deeper"):
         check_folder(tmp_path / name)
     for name in ("a.txt", "a.txt/b/c"):
-        with pytest.raises(FileError, match=r"cannot be written: a\.txt is no folder"):
+        with pytest.raises(FileError, match=r"cannot be written: a\.txt is not a directory"):
             check_folder(tmp_path / name)
     with pytest.raises(FileError, match="cannot be written: "):
         check_folder(tmp_path / ("long" * 200))

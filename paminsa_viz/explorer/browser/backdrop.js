@@ -1,6 +1,6 @@
 /**
  * Hides viser's square for a background image, which is drawn into every picture of the scene and
- * without a graphics card takes as long as the robot; page.css draws the background instead.
+ * without a graphics card takes as long as the robot; view.css draws the background instead.
  */
 (() => {
   const hide = () => {

@@ -2,7 +2,7 @@
 
 A background image of viser's is a square drawn into every picture of the scene. Without a graphics
 card it takes as long as the whole robot, even when it shows nothing; the page's own background is
-drawn once.
+drawn once, or the canvas is cleared with its middle color, see ``drawing.js``.
 """
 
 from __future__ import annotations
