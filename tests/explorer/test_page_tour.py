@@ -50,8 +50,46 @@ def walk(page: Any) -> None:
     until(lambda: tour.count() == 0, "the tour is over")
 
 
+OPACITIES = """() => {
+  const covers = [...document.querySelectorAll(".pv-tour, .pv-tour-ring")];
+  const seen = () => covers.map((cover) => getComputedStyle(cover).opacity).join();
+  window.__seen = [seen()];
+  const note = () => seen() === window.__seen.at(-1) || window.__seen.push(seen());
+  const observer = new MutationObserver(note);
+  for (const cover of covers) observer.observe(cover, {attributeFilter: ["class"]});
+}"""
+"""Notes the opacities of card and ring whenever they change."""
+
+
+def hide_while_dragged(page: Any) -> None:
+    """Drag by keys and by the pointer: card and ring leave the view to the robot until it rests."""
+    page.evaluate(OPACITIES)
+
+    def seen() -> Any:
+        return page.evaluate("window.__seen")
+
+    shown, hidden = "1,1", "0,0"
+    slider = page.get_by_role("slider").first
+    slider.press("Tab")
+    slider.press("ArrowRight")
+    until(lambda: len(seen()) == 3, "hidden and shown again, while a slider moves")
+    view = page.locator("canvas[data-engine]").bounding_box()
+    x, middle = view["x"] + 40, view["y"] + view["height"] / 2
+    page.mouse.move(x, middle)
+    page.mouse.move(x + 10, middle)
+    page.wait_for_timeout(100)
+    assert len(seen()) == 3, "nothing is dragged"
+    page.mouse.down()
+    page.mouse.move(x + 20, middle)
+    page.mouse.up()
+    until(lambda: len(seen()) == 5, "hidden and shown again, while the view turns")
+    assert seen() == [shown, hidden, shown, hidden, shown]
+    page.get_by_test_id("tour").get_by_role("button", name="Next").focus()
+
+
 def test_tour_is_beside_what_it_explains_and_ends_for_good(newcomer: Any) -> None:
     page, tour = newcomer, newcomer.get_by_test_id("tour")
+    hide_while_dragged(page)
     walk(page)
     page.set_viewport_size({"width": 1400, "height": 900})
     page.reload()

@@ -38,6 +38,7 @@ PARTS = (
     "names.js",
     "folders.js",
     "tour.js",
+    "covers.js",
     "clipboard.js",
     "cursor.js",
     "pictures.js",
