@@ -58,6 +58,19 @@ def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: Volu
 
 
 @pytest.mark.slow
+def test_surface_with_fewer_faces_has_none_back_to_back() -> None:
+    """Two faces meet at each edge; merging this volume's edges folds pairs onto each other."""
+    resolution = Resolution(30_000, 5, 5.0)
+    found = solve_volume(APPENDIX_4, needs("condition <= 25"), resolution=resolution)
+    surface = volume_surface(found, faces=1_000)
+    pairs = np.sort(surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, meet = np.unique(pairs, axis=0, return_counts=True)
+    assert (meet == 2).all(), np.unique(meet)
+    assert len(surface.faces) > 980
+    np.testing.assert_array_equal(np.unique(surface.faces), np.arange(len(surface.vertices)))
+
+
+@pytest.mark.slow
 def test_surface_of_a_body_that_the_grid_ends_is_closed_there(volume: Volume) -> None:
     middle = volume.inside.shape[0] // 2
     half = {name: getattr(volume, name)[:middle] for name in ("x", "cause", "depth", "nearest")}

@@ -102,12 +102,25 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
         # Late: needed only for surfaces, and it takes its time to load.
         import fast_simplification
 
-        fewer, fewer_triangles = fast_simplification.simplify(
+        fewer, folded = fast_simplification.simplify(
             vertices, triangles.astype(np.int32), target_count=max(faces, 4)
         )[:2]
-        cause = cause[_nearest(vertices, fewer)]
-        vertices, triangles = np.asarray(fewer, float), np.asarray(fewer_triangles, np.int64)
+        used, corners = np.unique(_without_folds(folded), return_inverse=True)
+        kept = np.asarray(fewer, float)[used]
+        cause = cause[_nearest(vertices, kept)]
+        vertices, triangles = kept, corners.reshape(-1, 3).astype(np.int64)
     return VolumeSurface(vertices, triangles, cause, volume.causes)
+
+
+def _without_folds(triangles: NDArray[np.integer[Any]]) -> NDArray[np.integer[Any]]:
+    """Return faces without those that lie back to back on the same vertices.
+
+    Merging edges can fold two faces onto each other. They enclose nothing, and four faces then meet
+    at the edge from which they stand out, which programs for CAD and print refuse.
+    """
+    corners = np.sort(triangles, axis=1)
+    _, which, count = np.unique(corners, axis=0, return_inverse=True, return_counts=True)
+    return triangles[count[which.ravel()] == 1]
 
 
 def _cause_at(volume: Volume, nodes: Array) -> NDArray[np.uint8]:
