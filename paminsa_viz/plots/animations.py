@@ -10,15 +10,17 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from importlib.util import find_spec
 from itertools import chain
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 Frames = Iterator[NDArray[np.uint8]]
 """Pictures (h, w, 3), all of one size; each is compressed as it comes."""
@@ -80,26 +82,35 @@ def _of_size(shape: tuple[int, ...], frames: Frames) -> Frames:
         yield frame
 
 
-def _animated_picture(kind: str, options: dict[str, Any], frames: Frames, step: float) -> bytes:
-    """Return pictures as one that runs over and over, in a format of Pillow's."""
+def _gif(frames: Frames, step: float) -> bytes:
     from PIL import Image
 
     def images() -> Iterator[Image.Image]:
-        for frame in frames:
+        shown = 0
+        for index, frame in enumerate(frames, 1):
             image = Image.fromarray(frame)
-            yield (
-                image
-                if kind != "gif"
-                else image.quantize(255, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-            )
+            image = image.quantize(255, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+            # Times are hundredths of a second here: what one picture lacks, a later one has.
+            end = round(100 * index * step)
+            image.info["duration"] = 10 * (end - shown)
+            shown = end
+            yield image
 
-    rest = images()
-    first = next(rest)
+    return _animated_picture("GIF", images(), {"disposal": 1, "optimize": False})
+
+
+def _webp(frames: Frames, step: float) -> bytes:
+    from PIL import Image
+
+    options = {"duration": round(1e3 * step), "quality": 80, "method": 2}
+    return _animated_picture("WEBP", map(Image.fromarray, frames), options)
+
+
+def _animated_picture(kind: str, images: Iterator[Image.Image], options: dict[str, Any]) -> bytes:
+    """Return pictures as one that runs over and over, in a format of Pillow's."""
+    first = next(images)
     stream = io.BytesIO()
-    first.save(
-        stream, format=kind.upper(), append_images=rest, save_all=True,
-        duration=round(1e3 * step), loop=0, **options,
-    )  # fmt: skip
+    first.save(stream, format=kind, append_images=images, save_all=True, loop=0, **options)
     return stream.getvalue()
 
 
@@ -127,12 +138,8 @@ def _mp4(frames: Frames, step: float) -> bytes:
 
 
 ANIMATION_FORMATS: dict[str, AnimationFormat] = {
-    "gif": AnimationFormat(
-        "GIF", partial(_animated_picture, "gif", {"disposal": 1, "optimize": False})
-    ),
-    "webp": AnimationFormat(
-        "WebP", partial(_animated_picture, "webp", {"quality": 80, "method": 2})
-    ),
+    "gif": AnimationFormat("GIF", _gif),
+    "webp": AnimationFormat("WebP", _webp),
     "mp4": AnimationFormat("MP4", _mp4, package="av", extra="video"),
 }
 """Every format of animations, by the ending of its files."""

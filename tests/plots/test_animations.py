@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.plots.animations import ANIMATION_FORMATS, AnimationFormat, Frames
@@ -66,3 +68,14 @@ def test_an_encoder_that_fails_names_the_format() -> None:
 
 def test_one_picture_is_enough(animation: AnimationFormat) -> None:
     assert len(animation.encode(iter([PICTURE]), 0.1)) > 60
+
+
+@pytest.mark.parametrize("step", [1 / 15, 0.047, 0.1])
+def test_gif_takes_its_true_time(step: float) -> None:
+    """Its unit is 10 ms, which no picture of the recorder's rate is a multiple of."""
+    pictures = (np.full_like(PICTURE, 5 * index) for index in range(45))
+    image = Image.open(io.BytesIO(ANIMATION_FORMATS["gif"].encode(pictures, step)))
+    shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
+    assert len(shown) == 45
+    assert sum(shown) == pytest.approx(45e3 * step, abs=5)
+    assert max(shown) - min(shown) <= 10
