@@ -33,7 +33,7 @@ from paminsa_viz.engines.mechanism import (
     leg_name,
     link_color,
 )
-from paminsa_viz.engines.rigid_bodies import rigid_bodies
+from paminsa_viz.engines.rigid_bodies import LEAST_INERTIA, rigid_bodies
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
@@ -46,6 +46,12 @@ MOST_EFFORT, MOST_SPEED = 1000.0, 10.0
 """Limits of sliding joints, which the format demands and the design does not know [N], [m/s].
 
 `docs/machine.md` states them.
+"""
+
+EMPTY_SHARE = 1e-9
+"""Mass of the links between the platform's joints, over the platform's.
+
+The robot has no such links. Without a mass, MuJoCo refuses them and PyBullet gives each 1 kg.
 """
 
 MIMICKED_PIN = "pin7"
@@ -138,23 +144,21 @@ def _add_platform(robot: ET.Element, link: Link, body: Part, reach: float) -> No
     joints = {joint.name: joint for joint in link.joints}
     before = BASE
     x, y, theta, z = POSE_JOINTS
+    inertia = LEAST_INERTIA, LEAST_INERTIA, LEAST_INERTIA
+    empty = Part("empty", EMPTY_SHARE * body.mass, ORIGIN, inertia)
     for name in (x, y, z, theta):
         after = PLATFORM if name == theta else f"{name}_slide"
         if name == theta:
             _add_link(robot, link, body)
         else:
-            _add(robot, "link", name=after)
+            _add_inertial(_add(robot, "link", name=after), empty)
         _add_joint(robot, joints[name], before, after, ORIGIN, ORIGIN, reach, {})
         before = after
 
 
 def _add_link(robot: ET.Element, link: Link, body: Part) -> None:
     element = _add(robot, "link", name=link.name)
-    inertial = _add(element, "inertial")
-    _add(inertial, "origin", xyz=body.center, rpy=ORIGIN)
-    _add(inertial, "mass", value=body.mass)
-    ixx, iyy, izz = body.inertia
-    _add(inertial, "inertia", ixx=ixx, ixy=0, ixz=0, iyy=iyy, iyz=0, izz=izz)
+    _add_inertial(element, body)
     for rod in link.rods:
         visual = _add(element, "visual")
         bar = as_cylinder(rod)
@@ -167,6 +171,14 @@ def _add_link(robot: ET.Element, link: Link, body: Part) -> None:
         painted = link.name if link.leg is None else leg_name(link.leg, "color")
         material = _add(visual, "material", name=painted)
         _add(material, "color", rgba=(*link_color(link), 1.0))
+
+
+def _add_inertial(element: ET.Element, body: Part) -> None:
+    inertial = _add(element, "inertial")
+    _add(inertial, "origin", xyz=body.center, rpy=ORIGIN)
+    _add(inertial, "mass", value=body.mass)
+    ixx, iyy, izz = body.inertia
+    _add(inertial, "inertia", ixx=ixx, ixy=0, ixz=0, iyy=iyy, iyz=0, izz=izz)
 
 
 def _angles(turn: Rotation) -> list[float]:

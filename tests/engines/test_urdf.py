@@ -61,6 +61,15 @@ def test_a_foreign_reader_places_all_links_and_closes_the_loops(design: Design) 
             np.testing.assert_allclose(first, second, atol=1e-12, err_msg=closure["name"])
 
 
+@EACH
+def test_mujoco_reads_it_with_the_masses_of_the_robot(design: Design) -> None:
+    """It refuses a moving link without mass, such as those between the platform's joints."""
+    mujoco = pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    model = mujoco.MjModel.from_xml_string(urdf_text(design))
+    whole = sum(part.mass for link in build_mechanism(design).links for part in link.parts)
+    assert model.body_mass.sum() == pytest.approx(whole, rel=1e-8)
+
+
 def test_parallel_bars_are_mimicked() -> None:
     text = urdf_text(APPENDIX_4)
     assert text.startswith("<?xml version")
