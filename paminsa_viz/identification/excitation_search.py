@@ -120,11 +120,10 @@ def random_motions(
         info: What the limits are known from.
         count: How many are drawn; those that no size makes possible are left out.
         seed: Of the random numbers.
-        more: Called after some `CHUNK` of them; says whether there is time for more. Drawing goes
-            on until one is possible.
+        more: Called after some `CHUNK` of them; says whether there is time for more.
 
     Raises:
-        NoExcitation: If there is none.
+        NoExcitation: If there is none among the first `CHUNK` or so.
     """
     rng = np.random.default_rng(seed)
     drawn = rng.standard_normal((count, info.family.size))
@@ -139,20 +138,28 @@ def random_motions(
         possible = low > 0.0
         if possible.any():
             found.append(part[possible] * low[possible, None])
-        if not more() and found:
+        elif not found:  # home has no room, or next to none, and so have all motions about it
+            raise _refusal(info, part * high[:, None])
+        if not more():
             break
-    if not found:
-        at_rest = info.at(info.states(np.zeros(info.family.size))).room[0]
-        names = (*LIMITED, *(LIMITED[-1],) * 11)
-        place = int(np.argmin(np.nan_to_num(at_rest, nan=-np.inf)))
-        # what is left of reach and height is a share of a length, of all others one of the limit
-        times = 1.0 - at_rest[place] if place < len(LIMITED) - 2 else np.nan
-        by = f", {times:.3g} times as large" if np.isfinite(times) else ""
-        raise NoExcitation(
-            f"no motion about home keeps the limits: the {names[place]} is beyond its limit "
-            f"at rest there{by}"
-        )
     return np.concatenate(found)
+
+
+def _refusal(info: Information, smallest: Array) -> NoExcitation:
+    """Return which limit stands in the way of motions (n, size) that are as small as is tried."""
+    with_rest = np.concatenate([np.zeros((1, info.family.size)), smallest])
+    rooms = np.nan_to_num(info.at(info.states(with_rest)).room.min(axis=1), nan=-np.inf)
+    worst = rooms.min(axis=1)
+    motion = 0 if worst[0] < 0.0 else 1 + int(np.argmax(worst[1:]))
+    place = int(np.argmin(rooms[motion]))
+    when = "even in the smallest motions that were tried" if motion else "at rest there"
+    # what is left of reach and height is a share of a length, of all others one of the limit
+    times = 1.0 - rooms[motion, place] if place < len(LIMITED) - 2 else np.inf
+    by = f", {times:.3g} times as large" if np.isfinite(times) else ""
+    name = LIMITED[min(place, len(LIMITED) - 1)]  # reach is the last one, of each leg
+    return NoExcitation(
+        f"no motion about home keeps the limits: the {name} is beyond its limit {when}{by}"
+    )
 
 
 def _chunks(variables: Array) -> list[Array]:

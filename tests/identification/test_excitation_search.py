@@ -172,22 +172,48 @@ def test_random_motions_are_halved_a_dozen_times_up_to_four_deviations() -> None
     np.testing.assert_array_equal(half, found[found[:, 5] > 0])
 
 
+def refusal(room: Array, count: int = 3) -> tuple[str, int]:
+    """Return why no motion is found where home is first of a room (motions, 1, 22), and its cost.
+
+    The cost is how many motions were looked at.
+    """
+    looked: list[int] = []
+
+    def worst(motions: Array) -> Array:
+        looked.append(len(motions))
+        return np.full(len(motions), -1.0)
+
+    made_up = SimpleNamespace(
+        family=SimpleNamespace(size=8), worst_room=worst, states=lambda x: x,
+        at=lambda states: SimpleNamespace(room=room[: len(states)]),
+    )  # fmt: skip
+    with pytest.raises(NoExcitation) as refused:
+        random_motions(made_up, count, 0)  # type: ignore[arg-type]
+    return str(refused.value), sum(looked)
+
+
 @pytest.mark.parametrize("worst", [-1.0, np.nan])
 def test_the_limit_that_is_named_is_the_one_beyond_which_home_is_farthest(worst: float) -> None:
     """Or of which it has no number; reach has twelve values."""
     for place in range(22):
-        room = np.full((5, 22), -0.5)
-        room[:, place] = worst
-        home = SimpleNamespace(
-            family=SimpleNamespace(size=8), worst_room=lambda x: np.full(len(x), -1.0),
-            states=lambda x: x, at=lambda states, room=room: SimpleNamespace(room=room),
-        )  # fmt: skip
+        room = np.full((4, 1, 22), -0.5)
+        room[0, :, place] = worst
         named = LIMITED[min(place, 10)]
         by = ", 2 times as large" if place < 9 and worst == -1.0 else ""
-        with pytest.raises(
-            NoExcitation, match=f"the {named} is beyond its limit at rest there{by}$"
-        ):
-            random_motions(home, 3, 0)  # type: ignore[arg-type]
+        assert refusal(room)[0].endswith(f"the {named} is beyond its limit at rest there{by}")
+
+
+def test_a_limit_that_leaves_home_alone_is_that_of_the_motion_nearest_to_it() -> None:
+    """And not the one that home has least room to."""
+    room = np.full((4, 1, 22), 0.1)
+    room[1, 0, 2], room[2, 0, 5], room[3, 0, 7] = -2.0, -0.25, -0.5
+    words = f"the {LIMITED[5]} is beyond its limit even in the smallest motions that were tried"
+    assert refusal(room)[0].endswith(f"{words}, 1.25 times as large")
+
+
+def test_a_few_motions_that_no_size_makes_possible_are_enough() -> None:
+    room = np.full((1 + excitation_search.RANDOM_STARTS, 1, 22), -1.0)
+    assert refusal(room, excitation_search.RANDOM_STARTS)[1] <= 12 * 2 * excitation_search.CHUNK
 
 
 def test_a_motion_is_shrunk_by_twenty_halvings_from_below() -> None:
