@@ -166,7 +166,9 @@ def match_columns(
     for words, names, needed in groups:
         absent = [name for name in needed if name not in found]
         if absent and (names is kind.needed or any(name in found for name in names)):
-            raise refused(f"the column is missing; {words} {','.join(needed)}", absent[0])
+            written = _in_their_units(needed, tuple(found.values()))
+            missing = written[needed.index(absent[0])]
+            raise refused(f"the column is missing; {words} {','.join(written)}", missing)
     return tuple(found.values())
 
 
@@ -174,17 +176,33 @@ def _column(place: int, text: str, kind: TableKind) -> Column | str:
     """Return the column of a header cell, or what is wrong with its unit, empty if unknown."""
     name, unit = _split(text)
     for column in kind.columns:
-        start, _, si = column.partition("_")
-        if start == name:
-            base, slash, per = si.partition("_")
-            written = next(each for each in COLUMN_UNITS.values() if each.get(base) == 1.0)
-            units = {known + slash + per: factor for known, factor in written.items()}
+        if column.partition("_")[0] == name:
+            units = _units(column)
             if unit in units:
                 return Column(place, text, column, units[unit])
-            names = " or ".join(f"{name}_{known}" for known in units)
+            names = " or ".join(_spellings(column))
             wrong = f"{shown(unit)} is no unit of it" if unit else "its unit is missing"
             return f"{wrong}; write {names}"
     return ""
+
+
+def _units(column: str) -> dict[str, float]:
+    """Return the units that a column may be in, its own first, with the factor to that one."""
+    base, slash, per = column.partition("_")[2].partition("_")
+    written = next(each for each in COLUMN_UNITS.values() if each.get(base) == 1.0)
+    return {known + slash + per: factor for known, factor in written.items()}
+
+
+def _spellings(column: str) -> list[str]:
+    """Return the names of a column in all of its units: ``x_m`` and ``x_mm``."""
+    return [f"{column.partition('_')[0]}_{unit}" for unit in _units(column)]
+
+
+def _in_their_units(names: tuple[str, ...], found: tuple[Column, ...]) -> list[str]:
+    """Return names of columns in the units in which a file has others of their kind."""
+    units = {column.name.partition("_")[2]: _split(column.header)[1] for column in found}
+    parts = [name.partition("_") for name in names]
+    return [f"{start}_{units.get(unit, unit)}" for start, _, unit in parts]
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -205,10 +223,11 @@ def _hint(name: str, header: tuple[str, ...], kind: TableKind) -> str:
     if other := _other_kind(name, header, kind):
         needed = ",".join(kind.needed)
         return f"the table looks like {other.whole}; {kind.name} needs {needed}"
-    near = [known for known in kind.columns if known.lower() == name.lower()]
+    spellings = [spelling for column in kind.columns for spelling in _spellings(column)]
+    near = [known for known in spellings if known.lower() == name.lower()]
     if name in RESULTS and not (near and near[0] not in header):
         return "it is a result, which is computed and not read; remove it"
-    near = near or difflib.get_close_matches(printable(name[:50]), kind.columns, 1, 0.6)
+    near = near or difflib.get_close_matches(printable(name[:50]), spellings, 1, 0.6)
     return f"did you mean {near[0]}?" if near else f"there are {','.join(kind.columns)}"
 
 

@@ -60,6 +60,18 @@ def test_missing_columns_are_named() -> None:
         read("t_s,theta1_rad,theta2_rad,theta3_rad,Z_m,torque1_Nm\n0,0,0,0,0,0\n")
 
 
+def test_columns_are_named_in_the_units_of_the_file() -> None:
+    """A file in degrees must not be told to call them radians."""
+    for head, words in (
+        ("t_ms,theta1_deg,Z_mm", "theta2_deg.* needs t_ms,theta1_deg,theta2_deg,theta3_deg,Z_mm$"),
+        ("t_s,theta1_deg,theta2_deg,theta3_deg", "Z_m: the column is missing"),
+        ("t_s,Theta1_deg,theta2_deg,theta3_deg,Z_mm", "did you mean theta1_deg"),
+        ("t_s,theta1_deg,theta2_deg,theta3_deg,z_mm", "did you mean Z_mm"),
+    ):
+        with pytest.raises(TableFileError, match=words):
+            read(f"{head},{TORQUES}\n")
+
+
 @pytest.mark.parametrize(
     ("head", "gains", "words"),
     [
