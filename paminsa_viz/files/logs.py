@@ -60,9 +60,14 @@ def parse_log(
             split=split, name=Path(source).stem or "log", first_row=first_row,
         )  # fmt: skip
     except InvalidLog as error:
-        headers = {column.name.partition("_")[0]: column.header for column in table.columns}
-        column = headers.get(error.column, error.column)
-        raise TableFileError(source, error.problem, row=error.row, column=column) from error
+        read = {column.name.partition("_")[0]: column for column in table.columns}
+        column, problem = read.get(error.column), error.problem
+        if column and error.other_unit:
+            # One who has named another unit need not be told how to.
+            advice = error.other_unit if column.factor == 1.0 else "check the unit of the column"
+            problem = f"{problem}; {advice}"
+        header = column.header if column else error.column
+        raise TableFileError(source, problem, row=error.row, column=header) from error
 
 
 @kinds_checked

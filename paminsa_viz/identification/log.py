@@ -41,14 +41,23 @@ class InvalidLog(PaminsaError):
         row: Row of the file, or of the arrays counted from 1; None if it is about all of them.
         column: What the row's number stands for, such as ``"theta1"``, or an empty string.
         log: Name of the log, or an empty string where the reader of the message knows it.
+        other_unit: How a table names the column if its numbers are in another unit than SI, which
+            may be what is wrong; empty where it is not.
     """
 
     def __init__(
-        self, problem: str, row: int | None = None, column: str = "", log: str = ""
+        self,
+        problem: str,
+        row: int | None = None,
+        column: str = "",
+        log: str = "",
+        other_unit: str = "",
     ) -> None:
         self.problem, self.row, self.column, self.log = problem, row, column, log
+        self.other_unit = other_unit
         named = f"log {log}" if log else ""
         place = [part for part in (named, "" if row is None else f"row {row}", column) if part]
+        problem = "; ".join(filter(None, (problem, other_unit)))
         super().__init__(f"{', '.join(place)}: {problem}" if place else problem)
 
 
@@ -142,7 +151,7 @@ def make_log(
         )
     if step > 1 / SLOWEST:
         problem = f"there are {1 / step:.3g} rows a second; at least {SLOWEST:g} are needed"
-        raise InvalidLog(f"{problem} (times in milliseconds are t_ms)", column="t")
+        raise InvalidLog(problem, column="t", other_unit="times in milliseconds are t_ms")
     position = position.copy()
     position[:, :3] = np.unwrap(position[:, :3], axis=0)
     _check_steps(t, position, rows, gaps)
@@ -191,14 +200,16 @@ def _check_numbers(t: Array, position: Array, torque: Array, rows: NDArray[np.in
         row = int(late[0]) + 1
         kind = "is there twice" if t[row] == t[row - 1] else f"follows {t[row - 1]:.9g} s"
         raise InvalidLog(f"times have to increase, and {t[row]:.9g} s {kind}", int(rows[row]), "t")
-    for column, (most, hint) in enumerate(
-        [(2 * np.pi, "rad is beyond a full turn; a column in degrees is theta1_deg")] * 3
-        + [(20.0, "m is beyond 20 m; a column in millimeters is Z_mm")]
-    ):
-        far = np.flatnonzero(np.abs(position[:, column]) > most)
+    turn = (2 * np.pi, "rad is beyond a full turn", "degrees", "deg")
+    for name, values, (most, beyond, unit, ending) in zip(
+        _NAMES, position.T, [turn] * 3 + [(20.0, "m is beyond 20 m", "millimeters", "mm")],
+        strict=True,
+    ):  # fmt: skip
+        far = np.flatnonzero(np.abs(values) > most)
         if far.size:
-            value = position[far[0], column]
-            raise InvalidLog(f"{value:.6g} {hint}", int(rows[far[0]]), _NAMES[column])
+            problem, row = f"{values[far[0]]:.6g} {beyond}", int(rows[far[0]])
+            other = f"a column in {unit} is {name}_{ending}"
+            raise InvalidLog(problem, row, name, other_unit=other)
 
 
 def _check_steps(

@@ -101,8 +101,15 @@ def test_degrees_read_as_radians_are_refused_with_the_row_of_the_file(signals: l
     head = "# a comment\nt_s,theta1_rad,theta2_rad,theta3_rad,Z_m,"
     head += "torque1_Nm,torque2_Nm,torque3_Nm,force4_N\n"
     row = 3 + int(np.flatnonzero((np.abs(signals[1][:, :3]) > 2 * np.pi).any(axis=1))[0])
-    with pytest.raises(TableFileError, match=rf"row {row}, column theta\d_rad.*degrees"):
+    named = rf"row {row}, column (theta\d)_rad.*degrees is \1_deg$"
+    with pytest.raises(TableFileError, match=named):
         read(head + text.getvalue())
+    # Degrees are what these are in already.
+    signals[1][:, :3] *= 360.0
+    text = io.StringIO()
+    np.savetxt(text, np.column_stack(signals), delimiter=",")
+    with pytest.raises(TableFileError, match=r"_deg: .* full turn; check the unit of the column$"):
+        read(head.replace("_rad", "_deg") + text.getvalue())
 
 
 def test_what_a_written_log_says_of_itself_and_a_gap_that_splits_it(
