@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
@@ -90,22 +89,25 @@ def read_log(
 @kinds_checked
 def log_table(log: Log) -> DataTable:
     """Return a log as a table that `read_log` reads."""
+    return _table(log, {})
+
+
+def _table(log: Log, further: dict[str, str]) -> DataTable:
     columns = {TIME: log.t}
     columns |= dict(zip(ACTUATORS, log.position.T, strict=True))
     columns |= dict(zip(MEASURED, log.torque.T, strict=True))
     facts = {"log": log.name, "samples": str(len(log.t)), "rate [1/s]": repr(log.rate)}
     facts |= {f"note {number}": note for number, note in enumerate(log.notes, 1)}
-    return DataTable(columns, provenance(FORMAT, facts))
+    return DataTable(columns, provenance(FORMAT, facts | further))
 
 
 def simulated_log_table(simulation: Simulation) -> DataTable:
-    """Return the log of a simulated robot as a table whose header names robot and controller.
+    """Return the log of a simulated robot as a table; its header names motion, controller, robot.
 
     Raises:
         InvalidLog: If it has fewer samples than a log needs, see `log_of_simulation`.
     """
-    table = log_table(log_of_simulation(simulation))
-    return replace(table, provenance={**table.provenance, **simulation_facts(simulation)})
+    return _table(log_of_simulation(simulation), simulation_facts(simulation))
 
 
 def _torque_columns(found: set[str], source: str, gains: Sequence[float] | None) -> tuple[str, ...]:

@@ -105,9 +105,11 @@ def simulation_table(simulation: Simulation) -> DataTable:
 
 
 def simulation_facts(simulation: Simulation) -> dict[str, str]:
-    """Return what drove a robot, how far, and the robot, for the header of a table."""
+    """Return the motion, what drove a robot along it, how far, and the robot, for a header."""
     s = simulation
     return {
+        "trajectory": s.trajectory.name,
+        "kind": s.trajectory.kind,
         "controller": s.controller.control.value,
         "bandwidth [Hz]": repr(float(s.controller.bandwidth)),
         "damping": repr(float(s.controller.damping)),

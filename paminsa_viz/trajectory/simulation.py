@@ -152,6 +152,7 @@ class Simulation:
     Attributes:
         design: The robot.
         controller: What drove it.
+        trajectory: The wanted motion.
         t: (n,) [s].
         pose: (n, 4) [m, m, rad, m].
         velocity: (n, 4) [m/s, m/s, rad/s, m/s].
@@ -166,6 +167,7 @@ class Simulation:
 
     design: Design
     controller: Controller
+    trajectory: Trajectory
     t: Array
     pose: Array
     velocity: Array
@@ -305,7 +307,7 @@ def simulate(
     if solution.status != 0:
         stopped, t, states = _end(solution, margins, check.windows)
     return Simulation(
-        design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
+        design, controller, trajectory, t, states[:, :4], states[:, 4:8], torques(t, states),
         trajectory.at(t), states[:, 8], states[:, 9], states[:, 10:].sum(axis=1), stopped,
         int(solution.nfev),
     )  # fmt: skip

@@ -28,6 +28,7 @@ from paminsa_viz.files.columns import (
     part_columns,
 )
 from paminsa_viz.files.loads_table import joint_table
+from paminsa_viz.files.logs import parse_log, simulated_log_table
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.files.trajectory_table import (
     analysis_table,
@@ -240,6 +241,8 @@ def test_a_simulation_as_a_table() -> None:
     table = simulation_table(found)
     np.testing.assert_array_equal(table.columns["wanted_x_m"], SAMPLES.pose[:, 0])
     np.testing.assert_array_equal(table.columns["f4_N"], found.torque[:, 3])
+    for header in (table.provenance, simulated_log_table(found).provenance):
+        assert (header["trajectory"], header["kind"]) == (SAMPLES.name, SAMPLES.kind)
     assert table.provenance["controller"] == "feed-forward"
     assert table.provenance["stopped"] == "at the end"
     assert len(table_csv(table).decode().splitlines()) == len(table.provenance) + 1 + SAMPLES.size
@@ -257,6 +260,10 @@ def test_hostile_names_stay_on_one_line() -> None:
     found = analyze(APPENDIX_4.vary({}), samples)
     text = table_csv(analysis_table(found)).decode()
     assert parse(text).size == samples.size
+    simulated = simulate(APPENDIX_4, samples)
+    assert parse(table_csv(simulation_table(simulated)).decode()).size == samples.size
+    log = table_csv(simulated_log_table(simulated)).decode()
+    assert parse_log(io.StringIO(log, newline=""), "log.csv").t.size == samples.size
 
 
 def test_loads_are_read_and_written_with_any_of_their_columns() -> None:
