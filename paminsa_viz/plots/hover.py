@@ -89,9 +89,9 @@ def emptiness(data: MapData, panel: int) -> str:
     return "singular everywhere" if singular else "nothing reachable here"
 
 
-def value_text(data: MapData, panel: int, value: str = "z") -> str:
-    """Return plotly's template for a cell with a value."""
-    quantity = f"{data.names[panel]} = %{{{value}:.4~g}} {data.display.text}".rstrip()
+def value_text(data: MapData, panel: int) -> str:
+    """Return plotly's template for a cell with a value, which is its text."""
+    quantity = f"{data.names[panel]} = %{{text}} {data.display.text}".rstrip()
     return f"<b>{quantity}</b>{_place(data)}"
 
 
@@ -100,8 +100,12 @@ def reason_text(data: MapData) -> str:
     return f"<b>%{{text}}</b>{_place(data)}"
 
 
+PLACE_FORMAT = ".1f"
+"""Format of plotly's axes for the place: one within a template would write no minus sign."""
+
+
 def _place(data: MapData) -> str:
-    return f"<br>x = %{{x:.1f}} mm, y = %{{y:.1f}} mm<br>{_pose(data)}<extra></extra>"
+    return f"<br>x = %{{x}} mm, y = %{{y}} mm<br>{_pose(data)}<extra></extra>"
 
 
 def _pose(data: MapData) -> str:

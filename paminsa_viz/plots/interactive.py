@@ -13,7 +13,14 @@ from paminsa_viz.checks import kinds_checked, require_at_least
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
-from paminsa_viz.plots.hover import FONT, axis_number, reason_text, reasons, value_text
+from paminsa_viz.plots.hover import (
+    FONT,
+    PLACE_FORMAT,
+    axis_number,
+    reason_text,
+    reasons,
+    value_text,
+)
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
@@ -57,7 +64,8 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
         )  # fmt: skip
     left, right, bottom, top = (MM * edge for edge in data.extent)
     line = {"ticks": "outside", "showgrid": False, "zeroline": False, "mirror": True,
-            "showline": True, "linecolor": INK, "constrain": "domain"}  # fmt: skip
+            "showline": True, "linecolor": INK, "constrain": "domain",
+            "hoverformat": PLACE_FORMAT}  # fmt: skip
     figure.update_xaxes(range=[left, right], title="x [mm]", matches="x", **line)
     figure.update_yaxes(range=[bottom, top], scaleanchor="x", **line)
     figure.update_yaxes(title="y [mm]", col=1)
@@ -85,11 +93,12 @@ def _cells(data: MapData, index: int, scale: Scale, axis: int) -> list[go.Heatma
     texts = reasons(data, index)
     place: dict[str, Any] = {"x": MM * data.x, "y": MM * data.y, "hoverongaps": False}
     # Colors go by the position on the bar, which serves both kinds of scale and infinite values;
-    # hover shows the value itself. Single precision halves the data.
+    # hover shows the value itself, as text, since plotly would write a hyphen for a minus sign.
+    # Single precision halves the data.
     shown = go.Heatmap(
         z=np.clip(scale.position(values), -1.0, 2.0).astype(np.float32),
-        customdata=(values * factor).astype(np.float32), coloraxis=f"coloraxis{axis_number(axis)}",
-        hovertemplate=value_text(data, index, "customdata"), **place,
+        text=[[number(value) for value in row] for row in (values * factor).tolist()],
+        coloraxis=f"coloraxis{axis_number(axis)}", hovertemplate=value_text(data, index), **place,
     )  # fmt: skip
     singular = np.char.startswith(texts, "singular")
     clear, gray = "rgba(0,0,0,0)", colors.SINGULAR

@@ -10,6 +10,7 @@ import pytest
 
 from paminsa_viz.plots.interactive import interactive_map
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.units import number
 from tests.plots.samples import EMPTY, OWN, SCALE, made_up, real
 
 
@@ -24,7 +25,7 @@ def test_cells_show_values_in_display_units_or_why_there_is_none() -> None:
     cells = traces(interactive_map(data, SCALE), "heatmap")
     assert [trace.xaxis for trace in cells] == ["x", "x", "x2", "x2", "x3", "x3"]
     for values, shown, why in zip(data.values, cells[::2], cells[1::2], strict=True):
-        assert np.array_equal(shown.customdata, values.astype(np.float32), equal_nan=True)
+        assert shown.text == tuple([number(value) for value in row] for row in values)
         assert np.allclose(shown.x, data.x * 1000)
         assert np.allclose(shown.y, data.y * 1000)
         expected = np.clip(SCALE.position(values), -1, 2).astype(np.float32)
@@ -35,9 +36,17 @@ def test_cells_show_values_in_display_units_or_why_there_is_none() -> None:
         assert (np.isnan(why.z) == (data.status == 0)).all()
     lengths = made_up(panels=1, unit="m", names=("margin",))
     trace = traces(interactive_map(lengths, SCALE), "heatmap")[0]
-    expected = (lengths.values[0] * 1000).astype(np.float32)
-    assert np.array_equal(trace.customdata, expected, equal_nan=True)
-    assert "mm</b>" in trace.hovertemplate
+    assert trace.text == tuple([number(1000 * value) for value in row] for row in lengths.values[0])
+    assert "%{text} mm</b>" in trace.hovertemplate
+
+
+@pytest.mark.slow
+def test_hover_leaves_no_negative_number_to_a_format_that_writes_a_hyphen() -> None:
+    figure = interactive_map(made_up(), SCALE)
+    cells = traces(figure, "heatmap")
+    assert not any(":" in trace.hovertemplate for trace in cells)
+    assert {figure.layout.xaxis2.hoverformat, figure.layout.yaxis.hoverformat} == {".1f"}
+    assert any(cell.startswith("−") for row in cells[0].text for cell in row)
 
 
 @pytest.mark.slow
@@ -60,7 +69,7 @@ def test_shared_or_own_color_axes() -> None:
     assert "coloraxis2" not in interactive_map(made_up(), SCALE).layout.to_plotly_json()
     figure = interactive_map(made_up(), OWN)
     assert {"coloraxis", "coloraxis2", "coloraxis3"} <= figure.layout.to_plotly_json().keys()
-    used = [t.coloraxis for t in traces(figure, "heatmap") if t.customdata is not None]
+    used = [t.coloraxis for t in traces(figure, "heatmap") if t.coloraxis]
     assert used == ["coloraxis", "coloraxis2", "coloraxis3"]
 
 
