@@ -54,8 +54,10 @@ on the page in number boxes and in the command palette."""
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-# A difference has its Δ before the letter.
-_SYMBOL = re.compile(r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
+# A difference has its Δ before the letter, and a square its ² after the index.
+_SYMBOL = re.compile(
+    r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})(?![^\W²³])(?:\^\((\w+)\))?"
+)
 
 
 def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:
@@ -141,12 +143,12 @@ def symbol_text(symbol: str) -> str:
     them: ``m_5`` gives ``m₅``, ``m_B3`` stays, ``I_XX^(B3)`` gives ``I_XX(B3)``.
     """
     text = re.sub(r"_(\d+)", lambda found: found[1].translate(_SUBSCRIPTS), symbol)
-    return text.replace("^(", "(").replace("k l_", "k·l_")
+    return _with_dots(text.replace("^(", "("))
 
 
 def symbol_html(symbol: str) -> str:
     """Return a symbol as escaped HTML with italics, subscripts and superscripts."""
-    text = escape(symbol).replace("k l_", "k·l_")
+    text = escape(_with_dots(symbol))
     text = re.sub(r"\b([A-Za-z])(?=_|\b)", r"<i>\1</i>", text)
     text = re.sub(r"_([A-Za-z0-9]+)", r"<sub>\1</sub>", text)
     return re.sub(r"\^\(([^)]*)\)", r"<sup>(\1)</sup>", text)
@@ -162,7 +164,12 @@ def symbols_html(text: str) -> str:
 
     if len(text) == 1 and text.isalpha():
         return f"<i>{escape(text)}</i>"
-    return _SYMBOL.sub(typeset, escape(text))
+    return _SYMBOL.sub(typeset, escape(_with_dots(text)))
+
+
+def _with_dots(text: str) -> str:
+    """Return a text with a sign between the factors of ``k l_B7``."""
+    return re.sub(r"\bk (?=l_)", "k·", text)
 
 
 def symbols_math(text: str) -> str:

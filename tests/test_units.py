@@ -67,6 +67,9 @@ def test_symbols_as_text_and_html(symbol: str, label: str, markup: str) -> None:
         ("g", "<i>g</i>"),
         ("τ_1, δ_tilt", "<i>τ</i><sub>1</sub>, <i>δ</i><sub>tilt</sub>"),
         ("K_θ", "<i>K</i><sub>θ</sub>"),
+        ("m_pl R_pl²", "<i>m</i><sub>pl</sub> <i>R</i><sub>pl</sub>²"),
+        ("l_B4 = k l_B7", "<i>l</i><sub>B4</sub> = k·<i>l</i><sub>B7</sub>"),
+        ("link l_B7", "link <i>l</i><sub>B7</sub>"),
         ("ΔK_x", "Δ<i>K</i><sub>x</sub>"),
     ],
 )
