@@ -97,9 +97,12 @@ def combinations_table(found: Calibration, most: int | None = None) -> Table:
     if most is not None and len(chosen) > most:
         chosen = chosen[: most // 2] + chosen[-(most // 2) :]
     cells = (
-        (str(place), describe(item), interval_text(MM * item.value, MM * item.half_width))
+        (
+            str(place), describe(item).replace("-", "−"),
+            interval_text(MM * item.value, MM * item.half_width),
+        )
         for place, item in chosen
-    )
+    )  # fmt: skip
     caption = "Combinations of lengths, best known first, with their 95 % intervals."
     head = ("", "Combination, its leading lengths (leg)", "Value [mm]")
     return Table(head, rows(*cells), caption, words=2)

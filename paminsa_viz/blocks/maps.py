@@ -135,7 +135,7 @@ def maps_blocks(data: MapData, facts: dict[str, Any]) -> list[Block]:
         Note(f"reached: {number(facts['reached_area_m2'])} m²; singular circle: {circle}"),
         *(
             Note(
-                f"{name} - published: {number(off['largest_difference'])} at most, "
+                f"{name} − published: {number(off['largest_difference'])} at most, "
                 f"{number(off['rms_difference'])} RMS over {counted(off['positions'], 'position')}"
             )
             for name, off in facts.get("published", {}).items()

@@ -31,7 +31,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.units import MM, NONE, format_value, number
+from paminsa_viz.units import MM, NONE, fixed, format_value, number
 
 MODES = 6
 """Natural frequencies of the table."""
@@ -193,7 +193,7 @@ def _ellipsoid_text(design: Design, found: PlatformStiffness) -> str:
     axes, directions = found.ellipsoid()
     text = f"Compliance ellipsoid: {', '.join(f'{MM * axis:.3g}' for axis in axes)} mm/N"
     if axes[-1] - axes[-2] > ALIKE * axes[-1]:  # else rounding would choose the direction
-        text += f", softest along ({', '.join(f'{value:.2f}' for value in directions[:, -1])})"
+        text += f", softest along ({', '.join(fixed(value, 2) for value in directions[:, -1])})"
     text += "."
     if touching := contacts(design, found.pose).touching():
         text += (

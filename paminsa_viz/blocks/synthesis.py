@@ -334,7 +334,11 @@ def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> li
         problem = "Relaxing a single one of the requirements does not help."
         return [Note(problem)] if result.relaxed else []
     found = (
-        (text(item.bound), _value(item.nearest, item.bound), f"{100 * item.change:+.3g} %")
+        (
+            text(item.bound),
+            _value(item.nearest, item.bound),
+            f"{number(100 * item.change, 3, sign=True)} %",
+        )
         for item in possible
     )
     caption = "One of these would have to be relaxed, the others kept; the nearest found."

@@ -62,7 +62,7 @@ BASE_PARAMETERS: tuple[BaseParameter, ...] = (
     BaseParameter("b_8", "kg m^2", "spin inertia of a leg, bars upright"),
     BaseParameter("b_9", "kg m^2", "spin inertia, cos² psi term"),
     BaseParameter("b_10", "kg m^2", "spin inertia, cos² phi term"),
-    BaseParameter("b_11", "kg m^2", "platform inertia I_pl - m_pl R_pl²"),
+    BaseParameter("b_11", "kg m^2", "platform inertia I_pl − m_pl R_pl²"),
 )
 """The base parameters in their order."""
 

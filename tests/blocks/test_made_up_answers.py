@@ -342,8 +342,11 @@ def test_prices_are_changes_of_the_objective() -> None:
 def test_what_is_relaxed_is_listed_where_that_helps() -> None:
     helps = RelaxedBound(TORQUE, 15.43, 0.0289)
     none = RelaxedBound(CONDITION, math.nan, math.nan)
-    (table,) = relaxed_blocks(answer(relaxed=(none, helps)))
-    assert cells(table) == [("max |τ| ≤ 15 N·m", "15.43 N·m", "+2.89 %")]
+    lower = RelaxedBound(TORQUE, 14.25, -0.05)
+    (table,) = relaxed_blocks(answer(relaxed=(none, helps, lower)))
+    assert cells(table) == [
+        ("max |τ| ≤ 15 N·m", "15.43 N·m", "+2.89 %"), ("max |τ| ≤ 15 N·m", "14.25 N·m", "−5 %"),
+    ]  # fmt: skip
     assert len(said(relaxed_blocks(answer(relaxed=(none,))))) == 1
     assert relaxed_blocks(answer(relaxed=())) == []
 

@@ -21,6 +21,8 @@ from paminsa_viz.units import NONE, symbols_html
 from tests.blocks.test_units import PARAMETERS, SUBJECTS, robot
 
 NO_NUMBER = re.compile(r"\b(nan|NaN|None|inf)\b")
+HYPHEN = re.compile(r"(?<![\w.−])-(?=[\d.])| - |\)-")
+"""One in the place of a minus sign."""
 
 
 def blocks_of(subject: str, pose: Sequence[float], shift: float = 0.0) -> list[Block]:
@@ -46,6 +48,7 @@ def check_set(blocks: Sequence[Block], capsys: Any) -> None:
     for block in blocks:
         if isinstance(block, Note):
             assert not NO_NUMBER.search(block.text), block.text
+            assert not HYPHEN.search(block.text), block.text
             assert ascii_numbers(block.text) in printed
             continue
         assert ascii_numbers(block.caption) in printed
@@ -53,6 +56,7 @@ def check_set(blocks: Sequence[Block], capsys: Any) -> None:
             assert len(row.cells) <= max(len(block.head), 1)
             for cell in row.cells:
                 assert not NO_NUMBER.search(cell), (block.caption, row.cells)
+                assert not HYPHEN.search(cell), (block.caption, row.cells)
                 assert ascii_numbers(cell) in printed
                 assert cell in page or unescape(symbols_html(cell)) in page, cell
 
