@@ -45,6 +45,7 @@ def check_set(blocks: Sequence[Block], capsys: Any) -> None:
     capsys.readouterr()
     print_blocks(blocks)
     printed, page = capsys.readouterr().out, html_of(blocks)
+    assert not re.search(r'class="(| [^"]*)"', page)
     for block in blocks:
         if isinstance(block, Note):
             assert not NO_NUMBER.search(block.text), block.text
