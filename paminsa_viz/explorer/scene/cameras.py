@@ -133,6 +133,17 @@ def raised(view: CameraView, below: float, above: float = 0.0) -> CameraView:
     return replace(view, position=_triple(moved), look_at=_triple(look_at))
 
 
+def least_aspect(view: CameraView, geometry: Geometry) -> float:
+    """Return the width over the height of the narrowest picture that holds the whole machine."""
+    position = np.array(view.position)
+    back = position - np.array(view.look_at)
+    right = np.cross(view.up, back)
+    points = _outline(geometry) - position
+    across = np.abs(points @ right) / np.linalg.norm(right)
+    ahead = -points @ back / np.linalg.norm(back)
+    return float((across / ahead).max() / (np.tan(view.fov / 2) * FILL))
+
+
 def in_window(
     name: str, geometry: Geometry, configuration: Configuration | None, width: float, height: float
 ) -> CameraView:

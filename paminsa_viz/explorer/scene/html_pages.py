@@ -28,7 +28,7 @@ from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.scene.actuators import actuator_labels
 from paminsa_viz.explorer.scene.bodies import Bodies, Position, Quaternion
-from paminsa_viz.explorer.scene.cameras import preset, raised
+from paminsa_viz.explorer.scene.cameras import CameraView, least_aspect, preset, raised
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.nodes import LayerView, Nodes, curves
 from paminsa_viz.explorer.scene.stage import SHADOW, Stage
@@ -138,16 +138,32 @@ def robot_scene(
             camera = server.initial_camera
             camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)
             camera.fov = view.fov
-            yield server.scene, places, lambda: server.get_scene_serializer().as_html()
+            script = _narrow(view, design)
+            yield (
+                server.scene, places,
+                lambda: _with_head(server.get_scene_serializer().as_html(), script),
+            )  # fmt: skip
         finally:
             server.stop()
 
 
+def _narrow(view: CameraView, design: Design) -> str:
+    """Return the script that shows the whole robot in a narrow window as well."""
+    aspect = least_aspect(view, design.geometry)
+    script = asset("narrow.js", HALF=repr(math.tan(view.fov / 2)), ASPECT=repr(aspect))
+    return f"<script>{script}</script>"
+
+
+def _with_head(page: str, more: str) -> str:
+    """Return a page with more at the end of its head."""
+    head, end, rest = page.partition("</head>")
+    return f"{head}{more}{end}{rest}"
+
+
 def titled(page: str, title: str) -> str:
     """Return viser's page with a title and a backdrop of ours."""
-    head, _, rest = page.partition("</head>")
-    head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
-    return f"{head}{style_html()}<script>{asset('backdrop.js')}</script></head>{rest}"
+    page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
+    return _with_head(page, f"{style_html()}<script>{asset('backdrop.js')}</script>")
 
 
 def motion_html(design: Design, trajectory: Trajectory, *, frame_rate: float = FRAME_RATE) -> bytes:

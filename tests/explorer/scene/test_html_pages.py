@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.scene.bodies import node_name
+from paminsa_viz.explorer.scene.cameras import FIELD_OF_VIEW
 from paminsa_viz.explorer.scene.html_pages import MOST_FRAMES, PAUSE, frame_times, motion_html
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -25,6 +27,17 @@ from paminsa_viz.trajectory import (
     preset_center,
 )
 from tests.support.chromium import NODE_PLACE, TIMEOUT, until, watch_errors
+
+ANGLE = "() => window.__viserMutable.camera.fov"
+"""Vertical angle of view [deg]."""
+
+FARTHEST = """() => {
+  const { camera, nodeRefFromName } = window.__viserMutable;
+  const legs = Object.entries(nodeRefFromName).filter(([name]) => name.includes("/leg"));
+  return Math.max(...legs.map(([, node]) =>
+    Math.abs(node.getWorldPosition(node.position.clone()).project(camera).x)));
+}"""
+"""How far to a side a part of a leg is in the picture: 1 at its edge."""
 
 NAME = "<b>& </script> “näme”"
 HOME = preset_center(APPENDIX_4.geometry)
@@ -165,5 +178,11 @@ def test_browser_plays_it_from_a_file_offline(browser: Any, tmp_path: Path) -> N
         assert clock() == t
     page.keyboard.press("Space")
     until(lambda: clock() > 2.9 or clock() < 2.0, "it plays on")
+    # All legs are in the picture in a narrow window as well, and a wide one is as planned again.
+    for width, height, least in ((180, 390, 33.0), (480, 360, 31.9)):
+        page.set_viewport_size({"width": width, "height": height})
+        until(lambda low=least: low < page.evaluate(ANGLE) < low + 60.0, "the angle of view")
+        until(lambda: 0.2 < page.evaluate(FARTHEST) < 0.97, "whole legs")
+    assert page.evaluate(ANGLE) == pytest.approx(math.degrees(FIELD_OF_VIEW))
     context.close()
     assert errors == []

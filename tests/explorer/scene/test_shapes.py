@@ -21,6 +21,7 @@ from paminsa_viz.explorer.scene.cameras import (
     LEGEND_HEIGHT,
     VIEW_BAR_HEIGHT,
     in_window,
+    least_aspect,
     preset,
 )
 from paminsa_viz.explorer.scene.curves import (
@@ -205,6 +206,12 @@ def test_every_camera_shows_all_of_the_robot_between_panel_and_legend(
     assert (row > VIEW_BAR_HEIGHT).all()
     assert (row < height - LEGEND_HEIGHT).all()
     assert (np.abs(points @ right) * scale / depth < width / 2).all()
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_a_view_that_fits_a_narrow_picture_needs_its_width(name: str) -> None:
+    view = preset(name, APPENDIX_4.geometry, aspect=0.3)
+    assert least_aspect(view, APPENDIX_4.geometry) == pytest.approx(0.3, rel=1e-3)
 
 
 @pytest.mark.parametrize("leg", range(3))
