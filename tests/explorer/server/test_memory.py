@@ -25,12 +25,14 @@ def running(monkeypatch: pytest.MonkeyPatch) -> Iterator[memory.Memory]:
     monkeypatch.setattr(memory, "COLLECTION_DELAY", 0.0)
     monkeypatch.setattr(memory, "call_allocator", lambda *_: None)
     memory.set_up()
+    others = threading.enumerate()  # an explorer of other tests may run in this process
     running = memory.Memory()
     yield running
     running.stop()
     for thread in threading.enumerate():
-        if thread.name == "paminsa-memory":
+        if thread.name == "paminsa-memory" and thread not in others:
             thread.join(10)
+            assert not thread.is_alive()
     memory.Memory.rests = False
     gc.enable()
 
