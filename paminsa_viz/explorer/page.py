@@ -24,6 +24,7 @@ from paminsa_viz.explorer.features.view.theme import ThemeView, TitleView
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.server.limits import Limits
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.stiffness import MODE_NODE
 from paminsa_viz.explorer.strip import STRIP, restartable
@@ -186,6 +187,6 @@ def build(
     for kind in ("shown", "late"):
         bridge.on(kind, lambda _: session.submit(build_robot))
         bridge.on(kind, lambda _: session.submit(complete))
-    bridge.open({**session.paths, **EARLIER})
+    bridge.open({**session.paths, **EARLIER}, largest_file=Limits.upload_bytes)
     session.start()
     return session

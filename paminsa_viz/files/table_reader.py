@@ -245,13 +245,11 @@ def uploaded_table(name: str, content: bytes) -> TextIO:
 
     Args:
         name: Of the file, for messages.
-        content: Its bytes; the server hands on a file that is too large as an empty one.
+        content: Its bytes.
 
     Raises:
-        TableFileError: If it is empty, or no such text.
+        TableFileError: If it is no such text.
     """
-    if not content:
-        raise TableFileError(name, "is empty, or larger than 10 MB")
     if content[:2] in _UTF_16:
         raise TableFileError(name, _IS_UTF_16)
     return io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.docks import left_dock
 from paminsa_viz.explorer.features.export import exports
 from paminsa_viz.explorer.features.files.examples import EXAMPLES
+from paminsa_viz.explorer.server.limits import Limits
 from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.tables import table_text
@@ -114,6 +115,16 @@ def test_every_export_is_downloaded(drawn: Tab) -> None:
         assert correct(content), button
 
 
+DROP = """name => {
+  const files = new DataTransfer();
+  files.items.add(new File(["schema_version = 1"], name));
+  const options = { dataTransfer: files, bubbles: true, cancelable: true };
+  const isOurs = (kind) => !document.body.dispatchEvent(new DragEvent(kind, options));
+  return ["dragover", "drop"].every(isOurs);
+}"""
+"""Drops a file on the page; returns whether the browser leaves it to the page."""
+
+
 def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab) -> None:
     tab.dispatch(lambda s: actions.vary(s, {"links.b3": 0.777, "payload.mass": 3.0}))
     until(lambda: tab.state.document.design.links.b3 == 0.777, "the design changes")
@@ -126,6 +137,10 @@ def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab
     until(lambda: tab.state.document.design == APPENDIX_4, "Appendix 4 is back")
     tab.upload("Open a file…", "broken.toml", content.replace(b"b3_kg = 0.777", b"b3_kg = -1"))
     tab.page.get_by_text("b3_kg").first.wait_for()
+    tab.upload("Open a file…", "mine.toml", bytes(Limits.upload_bytes + 1))
+    tab.page.get_by_text("mine.toml: is larger than 10 MB").wait_for()
+    assert tab.page.evaluate(DROP, "mine.toml")
+    tab.page.get_by_text("mine.toml: drop no files on the page").wait_for()
     assert tab.state.document.design == APPENDIX_4
     tab.upload("Open a file…", "mine.toml", content)
     until(lambda: tab.state.document.design == saved, "the upload restores the design")

@@ -17,7 +17,6 @@ import pytest
 from paminsa_viz.cli.verify import _mechanics
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core.persistence import load, open_share_code
-from paminsa_viz.explorer.features.files.tab import uploaded_content
 from paminsa_viz.files.columns import POSES, TRAJECTORY, TableKind
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, read_design
 from paminsa_viz.files.resumable_csv import ResumableCsv
@@ -90,7 +89,7 @@ def read_model(text: str) -> None:
 READERS: dict[str, Callable[[str], object]] = {
     "design file": lambda text: read_design(text, "a.toml"),
     "part of a design file": read_part,
-    "uploaded design": lambda text: uploaded_content("a.toml", text.encode()).design,
+    "uploaded design": lambda text: read_design(text.encode(), "a.toml"),
     "table": read_tables,
     "trajectory": lambda text: parse_trajectory(io.StringIO(text, newline=""), "a.csv"),
     "resumable table": read_resumable,

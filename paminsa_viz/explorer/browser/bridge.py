@@ -43,6 +43,7 @@ PARTS = (
     "cursor.js",
     "pictures.js",
     "tabs.js",
+    "files.js",
 )
 """Scripts that ``page.js`` calls, sent before it."""
 
@@ -93,7 +94,9 @@ class Bridge:
                 self._run(asset(name))
         self.on("missing", _report_missing)
 
-    def open(self, tabs: Mapping[str, str] | None = None) -> None:
+    def open(
+        self, tabs: Mapping[str, str] | None = None, *, largest_file: float = math.inf
+    ) -> None:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
         After it comes a ``painted``, once the browser has drawn what has been sent so far, and a
@@ -103,6 +106,7 @@ class Bridge:
 
         Args:
             tabs: Paths of tabs by the names that a browser may have kept of them.
+            largest_file: A larger file is not sent [bytes].
         """
         try:
             config = {
@@ -112,6 +116,7 @@ class Bridge:
                 "missingAfter": MISSING_AFTER,
                 "foldedDock": FOLDED_DOCK,
                 "tabs": dict(tabs or {}),
+                "largestFile": largest_file,
             }
         except AttributeError as error:
             _report_missing([f"messages from the page ({error})"])

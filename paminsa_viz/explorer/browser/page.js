@@ -100,6 +100,7 @@
     signal: stopped.signal,
   });
   every(200, tabs.follow);
+  window.paminsaFiles({ largest: config.largestFile, send, signal: stopped.signal });
 
   // A link goes before what was kept, which is then offered and not written over it.
   let link = "";

@@ -122,8 +122,8 @@ class Upload(Entry):
     """A button that opens a file.
 
     Attributes:
-        receive: Called with the file's name and content, which is empty if the file is too large,
-            on the thread of the upload: a long table would hold the session's worker up.
+        receive: Called with the file's name and content, on the thread of the upload: a long table
+            would hold the session's worker up.
         mime_type: Which files are offered.
     """
 

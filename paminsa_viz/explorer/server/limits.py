@@ -27,7 +27,7 @@ class Limits:
             moment before the first of them is answered.
         message_bytes: Largest message [bytes]; a picture for ``get_render`` is one message.
         upload_bytes: Largest file that is taken [bytes], enough for the table of a motion of 10 s
-            at 1 kHz. A larger one arrives empty.
+            at 1 kHz. The page sends no larger one, see ``files.js``.
         render_pixels: Largest picture that is taken from a page [pixels].
         frames_per_second: WebSocket frames of one connection, in the long run, and of all
             connections together that try to send more than that [1/s].

@@ -229,8 +229,7 @@ class MessageFilter:
         if upload.transfer_uuid in self._uploads or len(self._uploads) >= _MANY_UPLOADS:
             return None
         if upload.size_bytes > self._limits.upload_bytes or upload.part_count > _MANY_PARTS:
-            # Arrives as an empty file, so that the page's callback runs and can say so.
-            return msgspec.structs.replace(upload, part_count=0, size_bytes=0)
+            return None
         if upload.part_count:
             self._uploads[upload.transfer_uuid] = _Upload(upload.part_count, upload.size_bytes)
         return upload

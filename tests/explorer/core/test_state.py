@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Health, compute
 from paminsa_viz.explorer.core.history import DEPTH, PAUSE, History, Snapshot
-from paminsa_viz.explorer.features.files.tab import uploaded_content
 from paminsa_viz.explorer.kit.design_numbers import GROUPS, slider
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import initial_state
-from paminsa_viz.files.design_file import write_design
+from paminsa_viz.files.design_file import read_content, write_design
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -58,7 +57,7 @@ def test_opened_design_decides_on_the_knee(before: KneeBranch, knee: KneeBranch)
     wanted = APPENDIX_4.vary({"links.b3": 0.5}).with_knee(knee)
     text = write_design(wanted)
     assert ("knee =" in text) == (knee is KneeBranch.UPPER)  # the lower knee is not written
-    opened = actions.load_design(state, uploaded_content("robot.toml", text.encode()).design)
+    opened = actions.load_design(state, read_content(text.encode(), "robot.toml").design)
     assert opened.document.design == wanted
     assert opened.document.pose == actions.set_knee(state, knee).document.pose
     assert opened.document.reference == APPENDIX_4.with_knee(knee)

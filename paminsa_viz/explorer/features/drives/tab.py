@@ -9,7 +9,7 @@ from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.actuation.catalog import CatalogError, read_catalog
+from paminsa_viz.actuation.catalog import read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.blocks.drives import FIGURES_HEAD, facts_table, figures_table, own_table
@@ -97,8 +97,6 @@ def choose(state: State, row: int | None) -> State:
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
-    if not content:
-        raise CatalogError(name, "is empty or too large")
     catalog = read_catalog(content, name)
     action = methodcaller("updated", "drives.settings", catalog=catalog)
     parts = (

@@ -9,6 +9,7 @@ from typing import Any
 
 from viser import Icon
 
+from paminsa_viz.errors import FileError
 from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core.links import link_of
@@ -18,14 +19,9 @@ from paminsa_viz.explorer.features.files.examples import EXAMPLES, example_named
 from paminsa_viz.explorer.kit.entries import Button, Entry, Folder, Html, Message, Run, Upload
 from paminsa_viz.explorer.kit.inputs import TextBox
 from paminsa_viz.explorer.kit.text import render
+from paminsa_viz.explorer.server.limits import Limits
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.files.design_file import (
-    LARGEST_FILE,
-    DesignContent,
-    read_content,
-    write_design,
-)
-from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.files.design_file import DesignContent, read_content, write_design
 from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.version import MADE_BY
 
@@ -34,18 +30,6 @@ def file_name(design: Design) -> str:
     """Return a name for a design's file that every system takes."""
     stem = re.sub(r"[^\w.-]+", "-", design.name, flags=re.ASCII).strip("-.")[:60]
     return f"{stem or 'design'}.toml"
-
-
-def uploaded_content(name: str, content: bytes) -> DesignContent:
-    """Return the design in an uploaded file, and its requirements.
-
-    Raises:
-        DesignFileError: If there is none in it. The server hands on a file that is too large as
-            an empty one.
-    """
-    if not content:
-        raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
-    return read_content(content, name)
 
 
 def open_content(state: State, content: DesignContent) -> State:
@@ -73,7 +57,7 @@ _STAY = "those of before stay"
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
-    found = uploaded_content(name, content)
+    found = read_content(content, name)
 
     def say() -> None:
         text = found.design.name or name
@@ -82,6 +66,21 @@ def _open(session: Session, name: str, content: bytes) -> None:
         session.notify("Design opened", text, of_step=True)
 
     session.dispatch("file.open", lambda state: open_content(state, found), then=say)
+
+
+REFUSALS = {
+    "large": f"is larger than {Limits.upload_bytes // 2**20} MB; leave out what is not needed",
+    "dropped": "drop no files on the page; open a design with “Open a file…” in the folder File, "
+    "a table with the button of its section",
+}
+"""Why the page does not send a file, and what to do."""
+
+
+def receive_refused(session: Session, data: Any) -> None:
+    """Say why a file is not opened; ``data`` comes from the page."""
+    match data:
+        case [str(name), "large" | "dropped" as why]:
+            session.notify("Not opened", str(FileError(name, REFUSALS[why])), bad=True)
 
 
 def _save_page(session: Session) -> None:
@@ -128,6 +127,7 @@ FILE: tuple[Entry, ...] = (
         read=lambda state: state.document.design.name, apply=actions.rename,
     ),
     Message(EXAMPLE, receive=receive_example),
+    Message("refused file", receive=receive_refused),
     Folder(
         "file.design", "Design file",
         entries=(

@@ -176,7 +176,7 @@ def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
     assert [lost in panel.intro_html(compute(one)) for one in (state, initial_state())] == [
         True, False,
     ]  # fmt: skip
-    for content, problem in ((b"", "too large"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
+    for content, problem in ((b"", "no rows"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
         with pytest.raises(ValueError, match=problem):
             panel._open(session, "bad.csv", content)
 

@@ -9,14 +9,14 @@ import pytest
 import trimesh
 
 from paminsa_viz.explorer.features.export.exports import volume_file
-from paminsa_viz.explorer.features.files.tab import open_content, uploaded_content
+from paminsa_viz.explorer.features.files.tab import open_content
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.features.requirements.volumes import find_volume
 from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.requirements import VolumeJob
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.files.design_file import write_design
+from paminsa_viz.files.design_file import read_content, write_design
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS
@@ -52,8 +52,8 @@ def test_requirements_come_with_their_design_file_and_stay_without_any() -> None
     asked = actions.suggest(initial_state())
     design, requirements = asked.document.design, asked.document.requirements
     text = write_design(design, requirements=requirements).encode()
-    opened = open_content(initial_state(), uploaded_content("robot.toml", text))
+    opened = open_content(initial_state(), read_content(text, "robot.toml"))
     assert opened.document.requirements == requirements
-    plain = uploaded_content("robot.toml", write_design(design).encode())
+    plain = read_content(write_design(design).encode(), "robot.toml")
     assert open_content(asked, plain).document.requirements == requirements
     assert opening_state(design, requirements).document.requirements == requirements
