@@ -36,7 +36,7 @@ def download(tab: Tab, click: Callable[[], Any]) -> tuple[str, bytes]:
 
 
 def test_page_in_one_file_comes_down_with_the_document(tab: Tab) -> None:
-    tab.dispatch(lambda state: actions.set_pose(state, (0.03, 0.02, 0.1, -0.5)))
+    tab.dispatch(lambda state: actions.move(state, x=0.03, y=0.02, theta=0.1, z=-0.5))
     tab.open_tab("File")
     name, content = download(tab, lambda: tab.click("Save as a page"))
     assert name.endswith(".html")
