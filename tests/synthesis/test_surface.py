@@ -55,6 +55,7 @@ def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: Volu
     whole = volume_surface(volume, faces=10**9)
     enclosed = trimesh.Trimesh(whole.vertices, whole.faces).volume
     assert enclosed == pytest.approx(volume.volume, rel=0.008)
+    assert mesh.volume == pytest.approx(enclosed, rel=3e-4)
 
 
 @pytest.mark.slow
@@ -62,11 +63,11 @@ def test_surface_with_fewer_faces_has_none_back_to_back() -> None:
     """Two faces meet at each edge; merging this volume's edges folds pairs onto each other."""
     resolution = Resolution(30_000, 5, 5.0)
     found = solve_volume(APPENDIX_4, needs("condition <= 25"), resolution=resolution)
-    surface = volume_surface(found, faces=1_000)
+    surface = volume_surface(found, faces=1_750)
     pairs = np.sort(surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, meet = np.unique(pairs, axis=0, return_counts=True)
     assert (meet == 2).all(), np.unique(meet)
-    assert len(surface.faces) > 980
+    assert len(surface.faces) > 1_740
     np.testing.assert_array_equal(np.unique(surface.faces), np.arange(len(surface.vertices)))
 
 
@@ -91,8 +92,9 @@ def test_surface_of_a_body_that_the_grid_ends_is_closed_there(volume: Volume) ->
 def test_margin_of_what_cuts_is_zero_at_the_surface(volume: Volume, surface: VolumeSurface) -> None:
     for index in range(3):
         code = next(c.code for c in volume.causes if c.requirement == index)
-        points = surface.vertices[surface.cause == code][::10]
-        assert len(points) > 5
+        points = surface.vertices[surface.cause == code]
+        points = points[:: len(points) // 60 + 1]
+        assert len(points) > 30
         theta = np.linspace(-TURN, TURN, volume.headings)
         bound = volume.requirements.bounds[index]
         moved = []

@@ -168,7 +168,7 @@ def test_the_largest_number_of_faces_is_kept(monkeypatch: pytest.MonkeyPatch) ->
     assert len(make(volume, faces=1).faces) >= 4
     asked: list[int] = []
 
-    def simplify(points: Any, triangles: Any, *, target_count: int) -> Any:
+    def simplify(points: Any, triangles: Any, *, target_count: int, **_: Any) -> Any:
         asked.append(target_count)
         return points, triangles, None
 

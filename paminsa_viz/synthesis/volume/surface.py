@@ -23,6 +23,9 @@ from paminsa_viz.units import MM, si_unit
 FACES = 20_000
 """Faces of a surface, at most, unless another number is asked for."""
 
+_AGGRESSIVENESS = 4
+"""How soon simplification gives up shape; with 5 and more, small shells come off thin places."""
+
 _BEYOND = (CauseKind.SINGULAR, CauseKind.REACH)
 """Causes at nodes where requirements are not evaluated."""
 
@@ -103,7 +106,7 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
         import fast_simplification
 
         fewer, folded = fast_simplification.simplify(
-            vertices, triangles.astype(np.int32), target_count=max(faces, 4)
+            vertices, triangles.astype(np.int32), target_count=max(faces, 4), agg=_AGGRESSIVENESS
         )[:2]
         used, corners = np.unique(_without_folds(folded), return_inverse=True)
         kept = np.asarray(fewer, float)[used]
