@@ -152,12 +152,16 @@ def _render(
     session: Session, state: State, time: float, size: tuple[int, int], legend: Legend
 ) -> NDArray[np.uint8]:
     """Draw the robot at an instant of the motion and have the page render it."""
-    frame = compute(motions.scrub(state, time), session.motions)
-    on_ground = [view for view in session.deferred if isinstance(view, FloorMap)]
+    frame, has_new_map = compute(motions.scrub(state, time), session.motions), False
     with session.client.atomic():
-        for view in (*session.immediate, *on_ground):
+        for view in session.immediate:
             view.draw(frame, True)
+        for view in session.deferred:
+            if isinstance(view, FloorMap):
+                has_new_map |= view.draw_at_once(frame)
     session.client.flush()
+    if has_new_map:  # the browser has decoded it by the time that the page has answered once
+        picture(session.client, (0, 0))
     return picture(session.client, size, legend)
 
 

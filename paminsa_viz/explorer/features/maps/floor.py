@@ -108,6 +108,16 @@ class FloorMap:
         for node in (self._map, self._ring):
             node.visible = "floor_map" in layers
 
+    def draw_at_once(self, frame: Frame) -> bool:
+        """Draw as during a drag, however soon after another map.
+
+        Returns:
+            Whether the map is another one than before; a browser decodes it while it goes on.
+        """
+        before, self._due = self._key, 0.0
+        self.draw(frame, True)
+        return self._key is not before
+
     def _stand(self, height: float) -> None:
         if height == self._height:
             return

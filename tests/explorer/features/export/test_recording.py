@@ -16,6 +16,7 @@ from PIL import Image
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.features.export.pictures import VIEW_SIDES
 from paminsa_viz.explorer.features.export.recording import (
     LARGEST,
     LONGEST,
@@ -27,6 +28,7 @@ from paminsa_viz.explorer.features.export.recording import (
     size_of,
 )
 from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.maps.floor import FloorMap
 from paminsa_viz.explorer.kit.entries import ButtonGroup, given
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -48,6 +50,7 @@ class Page(SilentPage):
         super().__init__()
         self.x = 0.0
         self.poses: list[Any] = []
+        self.widths: list[int] = []
         self.theme = LIGHT
         self.themes: list[Theme] = []
         self.slow = 0.0
@@ -55,6 +58,7 @@ class Page(SilentPage):
     def get_render(self, height: int, width: int, **_: Any) -> np.ndarray:
         time.sleep(self.slow)
         self.poses.append(self.x)
+        self.widths.append(width)
         self.themes.append(self.theme)
         value = int(np.clip(128 + 1000 * self.x, 0, 255))
         picture = np.full((height, width, 4), value, dtype=np.uint8)
@@ -106,6 +110,28 @@ def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     while session.state.recording.running:
         assert time.monotonic() < end
     assert session.state.document == before.document
+
+
+class NewMaps(FloorMap):
+    """A floor with another map in each picture."""
+
+    def __init__(self) -> None:
+        pass
+
+    def draw(self, frame: Any, dragging: bool) -> None:
+        """Draw nothing."""
+
+    def draw_at_once(self, frame: Any) -> bool:
+        """Say so."""
+        return True
+
+
+def test_a_new_map_on_the_floor_is_decoded_before_a_picture_is_taken(session: Any) -> None:
+    session.dispatch("motion", lambda s: motions.change(s, timing=Timing.GIVEN, duration=0.1))
+    session.deferred.append(NewMaps())
+    until(lambda: session.state.document.motion.duration == 0.1, "a short motion")
+    Recorder().record(session, "gif")
+    assert session.client.widths == [VIEW_SIDES[0], size_of((100, 80))[0]] * instants(0.1).size
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.features.maps import floor
 from paminsa_viz.explorer.features.maps.floor import FloorMap, floor_image, where_on_floor
@@ -106,6 +107,21 @@ def test_mark_is_below_the_platform_and_a_position_draws_no_new_map(desk: Desk) 
     assert desk.panel._map.image is before
     desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
     desk.until(lambda: desk.panel._map.image is not before)
+
+
+def test_a_picture_is_of_its_own_map_however_soon_after_another(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("PERIOD", "PERIOD_PLAIN"):
+        monkeypatch.setattr(floor, name, 1e6)
+    first, second = (compute(actions.move(desk.state, theta=theta)) for theta in (0.2, 0.3))
+    assert desk.panel.draw_at_once(first)
+    before = desk.panel._map.image
+    desk.panel.draw(second, True)
+    assert desk.panel._map.image is before
+    assert desk.panel.draw_at_once(second)
+    assert desk.panel._map.image is not before
+    assert not desk.panel.draw_at_once(second)
 
 
 @pytest.mark.slow
