@@ -141,23 +141,17 @@ def searching(state: State) -> State:
     return replace(state, ended=(SEARCH.place.path,))
 
 
-def test_search_that_a_reload_has_ended_is_offered_again(tab: Tab) -> None:
-    tab.dispatch(searching)
-    tab.wait_saved()
-    tab.reload()
-    tab.page.get_by_text("Lost by reload").wait_for()
-    again = tab.page.get_by_role("button", name="Search for a robot", exact=True)
-    again.wait_for()
-    tab.click("Leave it")
-    until(lambda: tab.state.ended == (), "it is left")
-    until(lambda: not again.is_visible(), "nothing is offered any more")
-
-
-def test_reload_opens_inner_tabs_by_their_place_and_leaves_nothing_to_undo(tab: Tab) -> None:
+def test_reload_opens_tabs_by_their_place_offers_what_it_ended_and_leaves_nothing_to_undo(
+    tab: Tab,
+) -> None:
+    opened = f"sessionStorage.getItem('{STORE_KEY}_tabs') ?? ''"
+    tab.open_tab("Synthesis")
+    until(lambda: "/Synthesis" in tab.page.evaluate(opened), "the section is kept")
     tab.open_tab("Errors")
     tab.page.get_by_role("tab", name="Manufacture", exact=True).click()
-    opened = f"sessionStorage.getItem('{STORE_KEY}_tabs') ?? ''"
     until(lambda: "/Manufacture" in tab.page.evaluate(opened), "the inner tab is kept")
+    tab.dispatch(searching)
+    tab.wait_saved()
     tab.reload()
     inner = tab.page.get_by_role("tab", name="Manufacture", exact=True)
     until(lambda: inner.get_attribute("aria-selected") == "true", "the inner tab is open")
@@ -181,17 +175,15 @@ def test_reload_opens_inner_tabs_by_their_place_and_leaves_nothing_to_undo(tab: 
     until(redo.is_enabled, "there is a step to redo")
     box.press("Control+Shift+z")
     tab.wait_pose(0, 0.031)
-
-
-def test_section_that_is_asked_for_goes_before_the_one_that_its_workspace_was_left_with(
-    tab: Tab,
-) -> None:
-    """After a reload the row of a workspace is not there until that is opened."""
-    tab.open_tab("Synthesis")
-    opened = f"sessionStorage.getItem('{STORE_KEY}_tabs') ?? ''"
-    until(lambda: "/Synthesis" in tab.page.evaluate(opened), "the section is kept")
-    tab.open_tab("Pose")
-    tab.reload()
+    # The search that it has ended is offered again.
+    tab.page.get_by_text("Lost by reload").wait_for()
+    again = tab.page.get_by_role("button", name="Search for a robot", exact=True)
+    again.wait_for()
+    tab.click("Leave it")
+    until(lambda: tab.state.ended == (), "it is left")
+    until(lambda: not again.is_visible(), "nothing is offered any more")
+    # What is asked for goes before Synthesis, with which its workspace was left: the row of that
+    # is not there until it is opened.
     tab.session.submit(lambda: tab.session.open_tab("Requirements"))
     until(lambda: tab.is_open("Requirements"), "it is open")
     tab.wait_frames(1000)
