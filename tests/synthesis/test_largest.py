@@ -102,7 +102,7 @@ def test_an_open_height_is_the_best_of_many() -> None:
     free = largest_workspace(
         APPENDIX_4, NEEDED, workspace, growth=Growth.VERTICAL, tolerance=0.03, time_limit=60
     )
-    for z in (-0.62, -0.57, -0.5):
+    for z in (-0.57, -0.5):  # one on either side of the best
         fixed = largest_workspace(
             APPENDIX_4,
             NEEDED,
