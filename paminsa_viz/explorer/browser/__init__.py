@@ -4,7 +4,7 @@ In the head of the live page are ``first_paint.js``, ``links.js``, ``context.js`
 ``inputs.js`` and ``number_fields.js``; ``page.js``, the other scripts and the style sheets follow
 with its first messages. ``backdrop.js`` is that of every page with the robot, ``narrow.js`` that of
 every saved one; ``player.html`` and ``player.js`` are those of a saved motion. What a release has
-moved is reported once (`Bridge` on this side, the self-test of ``page.js`` on the other) and costs
+moved is reported once (`Bridge` on this side, ``self_test.js`` on the other) and costs
 one feature, not the page. The server's guard is the exception: where it does not fit, nothing is
 served.
 """

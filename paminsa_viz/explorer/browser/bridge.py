@@ -44,6 +44,13 @@ PARTS = (
     "pictures.js",
     "tabs.js",
     "files.js",
+    "docks.js",
+    "figures.js",
+    "time_cursor.js",
+    "keys.js",
+    "palette.js",
+    "lost.js",
+    "self_test.js",
 )
 """Scripts that ``page.js`` calls, sent before it."""
 

@@ -7,7 +7,7 @@
  */
 window.paminsaTabs = (config) => {
   "use strict";
-  const { key, names, isWhole, send, signal } = config;
+  const { key, names, isWhole, every, send, signal } = config;
   const all = () => [...document.querySelectorAll('[role="tab"]')];
   const rowAround = (tab) => tab.closest('[role="tablist"]');
   const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
@@ -104,5 +104,6 @@ window.paminsaTabs = (config) => {
   const want = (paths) => {
     wanted = paths.flatMap(withOuter);
   };
-  return { follow, open, want };
+  every(200, follow);
+  return { open, want };
 };
