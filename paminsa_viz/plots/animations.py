@@ -86,31 +86,47 @@ def _gif(frames: Frames, step: float) -> bytes:
     from PIL import Image
 
     def images() -> Iterator[Image.Image]:
-        shown = 0
-        for index, frame in enumerate(frames, 1):
+        for frame in frames:
             image = Image.fromarray(frame)
-            image = image.quantize(255, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-            # Times are hundredths of a second here: what one picture lacks, a later one has.
-            end = round(100 * index * step)
-            image.info["duration"] = 10 * (end - shown)
-            shown = end
-            yield image
+            yield image.quantize(255, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
 
-    return _animated_picture("GIF", images(), {"disposal": 1, "optimize": False})
+    return _animated_picture("GIF", images(), step, 10, {"disposal": 1, "optimize": False})
 
 
 def _webp(frames: Frames, step: float) -> bytes:
     from PIL import Image
 
-    options = {"duration": round(1e3 * step), "quality": 80, "method": 2}
-    return _animated_picture("WEBP", map(Image.fromarray, frames), options)
+    options = {"quality": 80, "method": 2}
+    return _animated_picture("WEBP", map(Image.fromarray, frames), step, 1, options)
 
 
-def _animated_picture(kind: str, images: Iterator[Image.Image], options: dict[str, Any]) -> bytes:
-    """Return pictures as one that runs over and over, in a format of Pillow's."""
-    first = next(images)
+def _animated_picture(
+    kind: str, images: Iterator[Image.Image], step: float, unit: int, options: dict[str, Any]
+) -> bytes:
+    """Return pictures as one that runs over and over, in a format of Pillow's.
+
+    Args:
+        kind: Pillow's name of the format.
+        images: The pictures.
+        step: Time between two of them [s].
+        unit: What the format counts times in [ms].
+        options: Of the format.
+    """
+    durations: list[int] = []  # Pillow reads that of a picture once it has the picture
+
+    def timed() -> Iterator[Image.Image]:
+        for index, image in enumerate(images, 1):
+            # What one picture lacks of a whole number of units, a later one has.
+            durations.append(unit * round(1e3 * index * step / unit) - sum(durations))
+            yield image
+
+    pictures = timed()
+    first = next(pictures)
     stream = io.BytesIO()
-    first.save(stream, format=kind, append_images=images, save_all=True, loop=0, **options)
+    first.save(
+        stream, format=kind, append_images=pictures, save_all=True, loop=0, duration=durations,
+        **options,
+    )  # fmt: skip
     return stream.getvalue()
 
 

@@ -182,6 +182,20 @@ def test_pictures_are_few_and_small_enough() -> None:
     assert image.info["loop"] == 0
 
 
+@pytest.mark.parametrize(("kind", "unit"), [("gif", 10), ("webp", 1)])
+def test_durations_of_pictures_add_up(kind: str, unit: int) -> None:
+    pictures = [np.full((64, 64, 3), 5 * value, np.uint8) for value in range(46)]
+    image: Any = Image.open(io.BytesIO(ANIMATION_FORMATS[kind].encode(iter(pictures), 1 / 15)))
+    durations = []
+    for index in range(image.n_frames):
+        image.seek(index)
+        image.load()
+        durations.append(image.info["duration"])
+    assert len(durations) == len(pictures)
+    assert abs(sum(durations) - 46e3 / 15) <= unit / 2
+    assert all(abs(duration - 1e3 / 15) < unit for duration in durations)
+
+
 @pytest.mark.slow
 def test_video_has_every_picture_in_true_time(session: Any) -> None:
     av = pytest.importorskip("av")
