@@ -396,12 +396,14 @@ def build_rest(
     for path in list(sections())[1:]:
         with places[path]:
             session.fast.append(fill(session, path))
-    exported = export_entries(maps.store, lambda: maps.legend.shown)
+    exported = export_entries(maps.store, maps.legend)
     folder = Folder("file.export", "Export", entries=exported, open=False)
     with file_place:
         late.append(Panel(session, (*FILE, folder)))
     session.fast += [view_panel(session), Inspector(session)]
-    floor = build_views(replace(context, maps=maps.store, legend=maps.legend), animated=False)
-    session.deferred += [maps, *floor, maps.legend, *late, TabStore(session)]
+    session.ground = build_views(
+        replace(context, maps=maps.store, legend=maps.legend), animated=False
+    )
+    session.deferred += [maps, *session.ground, maps.legend, *late, TabStore(session)]
     Cursor(session, context.scene)
     register_commands(session, (*places_to_go(), *files_of(FILE), *exports_of(exported)))

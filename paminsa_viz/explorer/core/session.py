@@ -11,7 +11,8 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Protocol
@@ -88,6 +89,7 @@ class Session:
         immediate: Views drawn at once, before anything slower: what moves in the scene.
         fast: Views drawn a moment after that: numbers and inputs.
         deferred: Views drawn last, in turns if new states come faster: maps and other figures.
+        ground: Those of them that draw in the scene.
         built: Set when all of the page is there.
         window: Width and height of the browser's window [px].
         camera: The camera preset chosen last, and its position [m].
@@ -116,6 +118,7 @@ class Session:
         self.immediate: list[View] = []
         self.fast: list[View] = []
         self.deferred: list[View] = []
+        self.ground: list[View] = []
         self.built = threading.Event()
         # Asked now: later the panels take their part of it.
         self.window = (float(client.camera.image_width), float(client.camera.image_height))
@@ -128,6 +131,7 @@ class Session:
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closed = False
+        self._scene_held = False
         self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
         self.motions = MotionStore()
         self.exporting = threading.Lock()
@@ -239,8 +243,22 @@ class Session:
             self._requests.append(request)
         self._wake.set()
 
+    @contextmanager
+    def holding_scene(self) -> Iterator[None]:
+        """Leave the scene to who takes pictures of it; afterwards it shows the state again.
+
+        A browser shows a body that is made anew a moment later than the worker has drawn it, so
+        pictures would mix what they are of with what the page has been changed to.
+        """
+        self._scene_held = True
+        try:
+            yield
+        finally:
+            self._scene_held = False
+            self.dispatch("scene", replace, step=False)
+
     def show_scene(self, state: State) -> None:
-        """Draw the scene as of another state, until the next change, and wait for it.
+        """Draw the scene as of another state, while it is held, and wait for it.
 
         Raises:
             PaminsaError: If it could not be drawn.
@@ -382,14 +400,16 @@ class Session:
             with saying_if_long(self.client):
                 planned(shown)
         frame = compute(shown, self.motions, is_preview=shown is not state)
-        errors = self._draw_together(self.immediate, frame, dragging)
+        held = self._scene_held
+        errors = self._draw_together([] if held else self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         errors += self._draw_together(self.fast, frame, dragging)
         due = time.monotonic() + DEFERRED_TIMEOUT
         for _ in range(len(self.deferred)):
             view = self.deferred[self._turn % len(self.deferred)]
             self._turn += 1
-            errors += _attempt(view, frame, dragging)
+            if not (held and view in self.ground):
+                errors += _attempt(view, frame, dragging)
             self.client.flush()
             now = time.monotonic()
             played_on = self._frame_due is not None and now >= self._frame_due

@@ -103,12 +103,15 @@ class SceneLegend:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Say what is shown, if that has changed."""
         del dragging
-        bar = self.bar if "floor_map" in frame.state.layers else None
-        legend = Legend(arrow_rows(frame), bar)
+        legend = self.of(frame)
         if legend == self.shown:
             return
         self.shown = legend
         self._bridge.call("showLegend", legend.html)
+
+    def of(self, frame: Frame) -> Legend:
+        """Return the legend of a frame, with the colors that the floor map has."""
+        return Legend(arrow_rows(frame), self.bar if "floor_map" in frame.state.layers else None)
 
 
 def with_legend(

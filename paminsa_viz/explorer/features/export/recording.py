@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.core import motion as motions
-from paminsa_viz.explorer.core.frame import compute
+from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.export.exports import motion_name
@@ -68,9 +68,14 @@ def size_of(view: tuple[float, float]) -> tuple[int, int]:
 
 
 class Recorder:
-    """Records the motion of a session; one at a time."""
+    """Records the motion of a session; one at a time.
 
-    def __init__(self) -> None:
+    Args:
+        legend: Returns the legend of a frame that has been drawn.
+    """
+
+    def __init__(self, legend: Callable[[Frame], Legend] = lambda frame: NO_LEGEND) -> None:
+        self._legend = legend
         self._cancel = threading.Event()
 
     def cancel(self, session: Session) -> None:
@@ -78,38 +83,46 @@ class Recorder:
         del session
         self._cancel.set()
 
-    def record(self, session: Session, kind: str, legend: Legend = NO_LEGEND) -> File:
+    def record(self, session: Session, kind: str) -> File:
         """Return the motion as a light page draws it; called on a thread of its own.
 
         Args:
             session: The session of the page.
             kind: One of `ANIMATION_FORMATS`.
-            legend: Legend of the 3D view.
 
         Raises:
             PaminsaError: If there is no motion, it fails, it is too long, the page does not answer,
                 or it was canceled.
         """
         state = replace(session.state, appearance=Appearance.LIGHT)
-        found = MotionStore().all(state)
+        store = MotionStore()
+        found = store.all(state)
         if found is None:
             raise motions.no_motion(state)
         first = found.analysis.check.first
         if first is not None:
             raise InvalidInput("motion", f"it fails {first.explanation}")
         times = instants(found.analysis.trajectory.duration)
+
+        def frame_at(time: float) -> Frame:
+            return compute(motions.scrub(state, time), store)
+
         self._cancel.clear()
         try:
             start = partial(_recording, kind)
             session.dispatch("recording", start, step=False)
-            frames = self._frames(session, state, times, legend)
-            content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
+            frames = self._frames(session, frame_at, times)
+            with session.holding_scene():
+                content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
         finally:
             session.dispatch("recording", partial(_recording, None), step=False)
         return File(motion_name(state, found, "", kind), content)
 
     def _frames(
-        self, session: Session, state: State, times: NDArray[np.float64], legend: Legend
+        self,
+        session: Session,
+        frame_at: Callable[[float], Frame],
+        times: NDArray[np.float64],
     ) -> Iterator[NDArray[np.uint8]]:
         camera = session.client.camera
         size = size_of((camera.image_width, camera.image_height))
@@ -120,7 +133,8 @@ class Recorder:
                 told = done
                 action = partial(State.updated, part="recording", done=done)
                 session.dispatch("recording.done", action, step=False, overtakes=True)
-            draw = partial(_render, session, state, float(time), size, legend)
+            make = partial(frame_at, float(time))
+            draw = partial(self._render, session, make, size, first=index == 0)
             yield self._on_worker(session, draw)
 
     def _on_worker(self, session: Session, make: Callable[[], Any]) -> Any:
@@ -147,22 +161,26 @@ class Recorder:
             raise result[0]
         return result[0]
 
-
-def _render(
-    session: Session, state: State, time: float, size: tuple[int, int], legend: Legend
-) -> NDArray[np.uint8]:
-    """Draw the robot at an instant of the motion and have the page render it."""
-    frame, has_new_map = compute(motions.scrub(state, time), session.motions), False
-    with session.client.atomic():
-        for view in session.immediate:
-            view.draw(frame, True)
-        for view in session.deferred:
-            if isinstance(view, FloorMap):
-                has_new_map |= view.draw_at_once(frame)
-    session.client.flush()
-    if has_new_map:  # the browser has decoded it by the time that the page has answered once
-        picture(session.client, (0, 0))
-    return picture(session.client, size, legend)
+    def _render(
+        self,
+        session: Session,
+        make: Callable[[], Frame],
+        size: tuple[int, int],
+        *,
+        first: bool,
+    ) -> NDArray[np.uint8]:
+        """Draw a frame and have the page render it."""
+        frame, is_late = make(), first  # bodies that the first one has made anew
+        with session.client.atomic():
+            for view in session.immediate:
+                view.draw(frame, True)
+            for view in session.ground:
+                if isinstance(view, FloorMap):
+                    is_late |= view.draw_at_once(frame)
+        session.client.flush()
+        if is_late:  # the browser has decoded it by the time that the page has answered once
+            picture(session.client, (0, 0))
+        return picture(session.client, size, self._legend(frame))
 
 
 def _recording(kind: str | None, state: State) -> State:

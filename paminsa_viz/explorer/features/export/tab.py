@@ -18,7 +18,7 @@ from paminsa_viz.explorer.kit.downloads import File, export, session_export
 from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Html, ProgressBar, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
+from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend, SceneLegend
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.exports import CODE, TARGETS, Target
@@ -51,13 +51,10 @@ VIEW_SIZES: dict[str, tuple[int, int] | None] = {
 def light_view(session: Session, legend: Legend) -> File:
     """Return a picture of the 3D view with the colors of the light theme."""
     state = session.state
-    if not state.theme.dark:
+    with session.holding_scene():
+        if state.theme.dark:
+            session.show_scene(replace(state, appearance=Appearance.LIGHT))
         return pictures.view(state, session.client, legend)
-    session.show_scene(replace(state, appearance=Appearance.LIGHT))
-    try:
-        return pictures.view(state, session.client, legend)
-    finally:
-        session.dispatch("view", replace)  # draws the scene as the page is
 
 
 def _figures() -> dict[str, str]:
@@ -114,14 +111,12 @@ def volume_choices() -> dict[str, Run]:
     }
 
 
-def export_entries(
-    store: MapStore, legend: Callable[[], Legend] = lambda: NO_LEGEND
-) -> Sequence[Entry]:
+def export_entries(store: MapStore, legend: SceneLegend | None = None) -> Sequence[Entry]:
     """Return the entries of the tab; maps come from the store, and pictures have the legend.
 
     Everything is made of the newest state, at full resolution, and says design and pose inside.
     """
-    recorder = Recorder()
+    recorder = Recorder(legend.of) if legend else Recorder()
 
     def choices(what: str, labels: Mapping[str, str], make: Make) -> dict[str, Run]:
         return {
@@ -179,7 +174,7 @@ def export_entries(
             choices={
                 "View as PNG": session_export(
                     "the 3D view as PNG",
-                    lambda session: light_view(session, legend()),
+                    lambda session: light_view(session, legend.shown if legend else NO_LEGEND),
                 ),
                 "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
             },
@@ -237,8 +232,7 @@ def export_entries(
             "export.record", "Picture",
             choices={
                 each.label: session_export(
-                    f"the motion as {each.label}",
-                    lambda session, kind=kind: recorder.record(session, kind, legend()),
+                    f"the motion as {each.label}", partial(recorder.record, kind=kind)
                 )
                 for kind, each in ANIMATION_FORMATS.items()
                 if not each.missing
@@ -263,6 +257,8 @@ def export_entries(
         Button(
             "export.cancel", "Cancel", color="gray", effect=Run(recorder.cancel),
             visible=_recording,
+            hint="The robot is recorded as it was at the start; the 3D view shows what has been "
+            "changed since once the recording has ended",
         ),
     )  # fmt: skip
 

@@ -94,6 +94,9 @@ class FloorMap:
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed; nothing is computed for layers that are hidden."""
+        self._draw(frame, dragging)
+
+    def _draw(self, frame: Frame, dragging: bool, *, same_colors: bool = False) -> None:
         state = frame.state
         layers, last_reachable = state.layers, state.last_reachable
         self._stand(layout(last_reachable.geometry).ground)
@@ -103,19 +106,20 @@ class FloorMap:
         if not dragging or time.monotonic() >= self._due:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
             if "floor_map" in layers:
-                self._draw_map(state, dragging)
+                self._draw_map(state, dragging, same_colors)
             self._draw_curves(state, dragging)
         for node in (self._map, self._ring):
             node.visible = "floor_map" in layers
 
     def draw_at_once(self, frame: Frame) -> bool:
-        """Draw as during a drag, however soon after another map.
+        """Draw as during a drag, however soon after another map, and with the colors of that one:
+        the page may have found others meanwhile, for another design.
 
         Returns:
             Whether the map is another one than before; a browser decodes it while it goes on.
         """
         before, self._due = self._key, 0.0
-        self.draw(frame, True)
+        self._draw(frame, True, same_colors=True)
         return self._key is not before
 
     def _stand(self, height: float) -> None:
@@ -125,7 +129,7 @@ class FloorMap:
         self._map.position = (0.0, 0.0, height + ABOVE["map"])
         self._curves_key = ()
 
-    def _draw_map(self, state: State, dragging: bool) -> None:
+    def _draw_map(self, state: State, dragging: bool, same_colors: bool) -> None:
         document, view, opacity = state.document, state.map_view, state.floor_opacity
         theta, z = document.pose[2:]
         shown = (document.design, theta, z, document.reference, view, opacity)
@@ -133,14 +137,18 @@ class FloorMap:
             return
         quantities = (view.quantity,)
         data = self._store.data(state, COARSE if dragging else FULL, quantities)
-        scale = self._store.scales(state, data, quantities, dragging=dragging)[0]
+        colors = (document.design, document.reference, view)
+        if same_colors and self._key and self._key[2] == colors:
+            scale = self._key[3]
+        else:
+            scale = self._store.scales(state, data, quantities, dragging=dragging)[0]
         self._map.image = floor_image(data, scale, opacity)
         left, right, _, _ = data.extent
         side = right - left
         self._map.scale = (side, side, 1.0)
         if self._legend is not None:
             self._legend.bar = color_bar(data, scale)
-        self._key = (shown, not dragging)
+        self._key = (shown, not dragging, colors, scale)
 
     def _draw_curves(self, state: State, dragging: bool) -> None:
         document, seen = state.document, state.layers & {"workspace", "singularity"}

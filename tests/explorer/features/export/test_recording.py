@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.core.session import Session
@@ -37,7 +38,7 @@ from paminsa_viz.model import InvalidInput
 from paminsa_viz.palette import DARK, LIGHT, Theme
 from paminsa_viz.plots import animations
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
-from tests.support.chromium import until
+from tests.support.chromium import TIMEOUT, until
 from tests.support.desk import SilentPage, stop
 
 
@@ -53,10 +54,15 @@ class Page(SilentPage):
         self.widths: list[int] = []
         self.theme = LIGHT
         self.themes: list[Theme] = []
+        self.drawn: list[Any] = []
+        self.drawn_at_last_picture = 0
+        self.renders = threading.Semaphore(0)
         self.slow = 0.0
 
     def get_render(self, height: int, width: int, **_: Any) -> np.ndarray:
         time.sleep(self.slow)
+        self.renders.release()
+        self.drawn_at_last_picture = len(self.drawn)
         self.poses.append(self.x)
         self.widths.append(width)
         self.themes.append(self.theme)
@@ -74,6 +80,7 @@ def session() -> Any:
     def draw(frame: Any, dragging: bool) -> None:
         page.x = float(frame.configuration.pose[0])
         page.theme = frame.state.theme
+        page.drawn.append(frame.shown_design)
 
     made.immediate.append(SimpleNamespace(draw=draw))
     made.start()
@@ -99,7 +106,8 @@ def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     assert trajectory is not None
     times = instants(trajectory.duration)
     assert times.size == round(3.0 * RATE) + 1
-    np.testing.assert_allclose(session.client.poses, trajectory.at(times).pose[:, 0], atol=1e-12)
+    poses = session.client.poses[1:]  # the first picture is taken twice
+    np.testing.assert_allclose(poses, trajectory.at(times).pose[:, 0], atol=1e-12)
     assert file.name.endswith(f".{kind}")
     assert Image.open(io.BytesIO(file.content)).format == kind.upper()
     # Neighbors that look the same are one frame, shown longer.
@@ -128,7 +136,7 @@ class NewMaps(FloorMap):
 
 def test_a_new_map_on_the_floor_is_decoded_before_a_picture_is_taken(session: Any) -> None:
     session.dispatch("motion", lambda s: motions.change(s, timing=Timing.GIVEN, duration=0.1))
-    session.deferred.append(NewMaps())
+    session.ground.append(NewMaps())
     until(lambda: session.state.document.motion.duration == 0.1, "a short motion")
     Recorder().record(session, "gif")
     assert session.client.widths == [VIEW_SIDES[0], size_of((100, 80))[0]] * instants(0.1).size
@@ -146,6 +154,25 @@ def test_recording_can_be_canceled(session: Any) -> None:
     again = Recorder()
     session.client.slow = 0.0
     assert again.record(session, "gif").content
+
+
+@pytest.mark.slow
+def test_a_design_that_is_changed_meanwhile_is_drawn_afterwards(session: Any) -> None:
+    page, before = session.client, session.state.document.design
+    page.slow = 0.02
+
+    def change() -> None:
+        for mass in (1.0, 2.0):
+            assert page.renders.acquire(timeout=TIMEOUT)
+            session.dispatch("mass", lambda s, m=mass: actions.vary(s, {"payload.mass": m}))
+
+    changing = threading.Thread(target=change)
+    changing.start()
+    file = Recorder().record(session, "gif")
+    changing.join()
+    assert "appendix-4" in file.name
+    assert set(page.drawn[: page.drawn_at_last_picture]) == {before}
+    until(lambda: page.drawn[-1].payload.mass == 2.0, "the page shows the design")
 
 
 @pytest.mark.slow

@@ -124,6 +124,17 @@ def test_a_picture_is_of_its_own_map_however_soon_after_another(
     assert not desk.panel.draw_at_once(second)
 
 
+def test_pictures_keep_their_colors_while_the_page_finds_others(desk: Desk) -> None:
+    first, second = (compute(actions.move(desk.state, theta=theta)) for theta in (0.2, 0.3))
+    desk.panel.draw_at_once(first)
+    scale = desk.panel._key[3]
+    heavy = actions.vary(desk.state, {"links.b3": 20.0})
+    store, quantities = desk.panel._store, (heavy.map_view.quantity,)
+    (other,) = store.scales(heavy, store.data(heavy, COARSE, quantities), quantities)
+    assert desk.panel.draw_at_once(second)
+    assert desk.panel._key[3] == scale != other
+
+
 @pytest.mark.slow
 def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
     desk: Desk, monkeypatch: pytest.MonkeyPatch

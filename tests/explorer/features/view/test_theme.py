@@ -122,7 +122,11 @@ def test_picture_of_the_view_is_taken_of_the_light_scene(
             drawn.append(frame.state.theme)
 
     def view(*_: Any) -> File:
+        before = len(drawn)
+        for _each in range(2):  # the second one comes after the first one was drawn
+            desk.dispatch(lambda s: actions.move(s, x=0.01))
         taken.append(drawn[-1])
+        assert len(drawn) == before
         return File("view.png", b"")
 
     monkeypatch.setattr(export_panel.pictures, "view", view)
