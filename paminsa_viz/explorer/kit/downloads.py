@@ -13,6 +13,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Run
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.progress import Canceled
 
 log = logging.getLogger(__name__)
 
@@ -90,6 +91,8 @@ def _export(what: str, make: Make, session: Session) -> None:
             file = make(session)
         finally:
             notice.remove()
+    except Canceled:  # whoever has canceled it knows
+        return
     except PaminsaError as error:
         session.notify("Not exported", str(error), bad=True)
         return

@@ -29,6 +29,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import InvalidInput, PaminsaError
 from paminsa_viz.plots.animations import ANIMATION_FORMATS
+from paminsa_viz.progress import Canceled
 
 RATE = 15.0
 """Pictures a second of the motion, as long as there are not too many."""
@@ -41,10 +42,6 @@ LONGEST = 120.0
 
 LARGEST = 720
 """Longest side of an animated picture [pixels]."""
-
-
-class RecordingCanceled(PaminsaError):
-    """The person has canceled."""
 
 
 def instants(duration: float) -> NDArray[np.float64]:
@@ -91,8 +88,9 @@ class Recorder:
             kind: One of `ANIMATION_FORMATS`.
 
         Raises:
-            PaminsaError: If there is no motion, it fails, it is too long, the page does not answer,
-                or it was canceled.
+            PaminsaError: If there is no motion, it fails, it is too long, or the page does not
+                answer.
+            Canceled: If it was canceled, or the page has gone.
         """
         state = replace(session.state, appearance=Appearance.LIGHT)
         store = MotionStore()
@@ -152,7 +150,7 @@ class Recorder:
         session.submit(job)
         for _ in range(int(10 * 2 * VIEW_TIMEOUT)):
             if self._cancel.is_set() or session.closed:
-                raise RecordingCanceled("the recording was canceled")
+                raise Canceled
             if done.wait(0.1):
                 break
         if not result:
