@@ -93,6 +93,9 @@ def processes(count: int | None = None) -> Iterator[Workers]:
         with on_interrupt(_end_processes):
             yield Workers(pool, count)
     finally:
+        # Nobody waits for what they still do: a search that is canceled would go on for seconds.
+        for process in list(pool._processes.values()):
+            process.kill()
         pool.shutdown(wait=True, cancel_futures=True)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from concurrent.futures import Executor, Future
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.studies import Workers, processes
 from paminsa_viz.studies.executors import _cores, _start_quiet_tracker, here
+from tests.support.chromium import until
 
 
 class Lazy(Executor):
@@ -54,6 +56,18 @@ def test_tasks_that_nobody_waits_for_are_canceled() -> None:
     assert next(found) == 0
     found.close()
     assert [one.cancelled() for one in executor.given] == [False, *[True] * 5]
+
+
+@pytest.mark.slow
+def test_processes_end_with_what_they_do() -> None:
+    with processes(2) as workers:
+        executor = workers.executor
+        assert executor is not None
+        assert executor.submit(abs, -1).result() == 1
+        long = executor.submit(time.sleep, 60.0)
+        until(long.running, "it runs")
+        begin = time.monotonic()
+    assert time.monotonic() - begin < 10.0
 
 
 def test_one_process_is_this_one() -> None:
