@@ -243,6 +243,10 @@ class Run(NamedTuple):
     job: Any
 
 
+class _Unwanted(Exception):
+    """Nobody waits for the result of a run any more."""
+
+
 class Background:
     """Runs the newest run that is requested, on a thread.
 
@@ -267,7 +271,7 @@ class Background:
             find: Finds the result of a job.
             deliver: Called with a run that is still wanted and its outcome.
             report: Called with a run that is still wanted, what part of it is done, and what is
-                known; returns whether to stop.
+                known; returns whether to stop with what it has.
             closed: Whether nothing is wanted any more.
         """
         self._name, self._find, self._closed = name, find, closed
@@ -297,6 +301,8 @@ class Background:
                     return
             try:
                 outcome = solve(self._find, run.job, partial(self._progress, run))
+            except _Unwanted:
+                continue
             except Exception:
                 log.exception("a job in the background failed: %s", self._name)
                 error = PaminsaError("it failed; details are in the program's log")
@@ -305,8 +311,9 @@ class Background:
                 self._deliver(run, outcome)
 
     def _progress(self, run: Run, done: float, /, **known: Any) -> bool:
-        gone = self._closed() or self.wanted is not run
-        return gone or self._report(run, done, **known)
+        if self._closed() or self.wanted is not run:
+            raise _Unwanted  # or it would still work out what it has found so far
+        return self._report(run, done, **known)
 
 
 class TaskRunner:
@@ -331,7 +338,7 @@ class TaskRunner:
     def _report(self, run: Run, done: float, **known: Any) -> bool:
         own = self._task.place.read(self._session.state)  # a view may be late to say so
         if not own.runs(run.ticket):
-            return True
+            raise _Unwanted
         action = partial(self._task.report, ticket=run.ticket, done=done, **known)
         source = f"{self._task.place.path}.progress"
         self._session.dispatch(source, action, step=False, overtakes=True)

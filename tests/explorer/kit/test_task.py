@@ -55,7 +55,9 @@ class Bench:
         self.ran.append(job)
         self.started.release()
         assert self.may_end.acquire(timeout=TIMEOUT)
-        self.canceled.append(report(0.5))
+        self.canceled.append(True)
+        report(0.5)
+        self.canceled[-1] = False  # it goes on
         if job > 1:
             raise PaminsaError("not possible")
         return 1 / job
@@ -117,14 +119,24 @@ def test_stop_and_start_again_ends_the_old_run_though_no_view_saw_the_stop(bench
     bench.start(0.1)
     bench.state = bench.task.stop(bench.state)
     bench.want(0.1)
-    task = bench.finish(2)
-    assert bench.canceled[0] is True
-    assert (task.running, task.outcome) == (0.1, None)  # what the old run found is dropped
+    bench.may_end.release(2)
+    eventually(lambda: not bench.runner.background._busy)
+    task = bench.state.tolerances
+    assert (task.running, task.outcome) == (0.1, None)  # the old run has found nothing
     bench.draw()
     eventually(lambda: bench.state.tolerances.result == 10.0)
     assert bench.ran == [0.1, 0.1]
     assert bench.canceled == [True, False]
     assert bench.sources.count("progress") == 1
+
+
+def test_a_run_of_a_page_that_is_closed_ends_at_once(bench: Bench) -> None:
+    bench.start(0.1)
+    bench.closed = True
+    bench.may_end.release()
+    eventually(lambda: not bench.runner.background._busy)
+    assert bench.canceled == [True]
+    assert bench.sources == []
 
 
 def test_a_result_and_an_equal_start_in_one_turn_run_once_more(bench: Bench) -> None:
