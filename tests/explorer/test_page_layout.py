@@ -76,6 +76,24 @@ def test_workspaces_and_their_sections_take_a_row_each_and_none_is_cut(tab: Tab)
             one_row(names[0], names, "400")
 
 
+AROUND = """() => {
+  const folder = [...document.querySelectorAll('[aria-expanded="false"]')]
+    .find(head => head.textContent === "Ranges" && head.offsetParent)?.parentElement;
+  if (!folder) return null;
+  const box = row => row.querySelector("input:not([type=hidden])").getBoundingClientRect();
+  const line = folder.getBoundingClientRect().top;
+  const [before, after] = [folder.previousElementSibling, folder.nextElementSibling].map(box);
+  return [line - before.bottom, after.top - line];
+}"""
+
+
+def test_a_shut_folder_has_as_much_room_below_it_as_above(tab: Tab) -> None:
+    tab.open_tab("Synthesis")
+    above, below = until(lambda: tab.page.evaluate(AROUND), "the folder")
+    assert 10 < above < 25
+    assert abs(below - above) < 6
+
+
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
     if tab.page.get_by_test_id("gallery").is_visible():  # another test has opened the folder
         tab.page.get_by_text("File", exact=True).first.click()
@@ -139,7 +157,10 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 found = tab.page.evaluate(MEASURE, uuids)
                 return found if all(row["height"] > 12 for row in found) else None
 
-            for text, row in zip(labels, until(unfolded, group.title), strict=True):
+            rows = until(unfolded, group.title)
+            ends = [row["end"] for row in rows]
+            assert max(ends) - min(ends) < 3, f"the boxes of {group.title} are not in line: {ends}"
+            for text, row in zip(labels, rows, strict=True):
                 assert row["height"] < 24, f"{text} takes two lines"
                 assert row["right"] < row["left"], f"{text} runs into its number"
                 assert row["room"] >= 0, f"the number of {text} is cut off"
