@@ -15,7 +15,7 @@ from paminsa_viz.files.published_table import PublishedMap
 from paminsa_viz.model import solve_field, static_torques, xy_grid
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import Limit, status_words
-from paminsa_viz.model.singular_limit import counting
+from paminsa_viz.model.singular_limit import counting, serial_clearance
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.units import counted, format_value, number, si_unit
@@ -114,6 +114,7 @@ def maps_blocks(data: MapData, facts: dict[str, Any]) -> list[Block]:
         (name, *(number(value * factor) for value in found.values()))
         for name, found in facts["maps"].items()
     )
+    clearance = format_value(serial_clearance(data.design.geometry), "m", 3)
     counting = counted(facts["counting_cells"], "cell that counts", "cells that count")
     circle = (
         "none"
@@ -129,8 +130,8 @@ def maps_blocks(data: MapData, facts: dict[str, Any]) -> list[Block]:
         Table(head, rows(*cells), literal=True),
         Note(
             f"over the {counting}: not too close to a singularity "
-            f"(condition number at most {facts['max_condition']:g}, 10 mm to a stretched or folded "
-            "leg)"
+            f"(condition number at most {facts['max_condition']:g}, {clearance} to a stretched or "
+            "folded leg)"
         ),
         Note(f"reached: {number(facts['reached_area_m2'])} m²; singular circle: {circle}"),
         *(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from paminsa_viz.model import APPENDIX_4, check_reach, measure_singularity, solve_field, xy_grid
 from paminsa_viz.model.reach import MARGINS, Limit, home_pose
@@ -17,8 +19,9 @@ from paminsa_viz.model.singular_limit import (
     counting,
     near_by_reach,
     near_singularity,
+    serial_clearance,
 )
-from tests.support.samples import random_design
+from tests.support.samples import random_design, resized
 
 SIDE = np.linspace(-0.4, 0.4, 15)
 
@@ -35,12 +38,13 @@ def test_fields_and_poses_agree_and_are_clear_of_singularities(
         check_reach(geometry, grid.poses()),
         measure_singularity(geometry, grid.poses()),
     )
-    near = near_by_reach(measured.condition, reach, limit)
+    near = near_by_reach(geometry, measured.condition, reach, limit)
     np.testing.assert_array_equal(counts, reach.ok & ~near)
     assert (measured.condition[counts] <= limit).all()
     serial = np.delete(reach.margins, MARGINS.index(Limit.GUIDE), axis=-1).min(axis=(-1, -2))
-    assert (serial[counts] >= SERIAL_CLEARANCE).all()
-    assert (serial[reach.ok & ~counts & (measured.condition <= limit)] < SERIAL_CLEARANCE).all()
+    clearance = serial_clearance(geometry)
+    assert (serial[counts] >= clearance).all()
+    assert (serial[reach.ok & ~counts & (measured.condition <= limit)] < clearance).all()
 
 
 def test_guide_at_its_end_does_not_hide_a_pantograph_near_a_singularity() -> None:
@@ -48,19 +52,30 @@ def test_guide_at_its_end_does_not_hide_a_pantograph_near_a_singularity() -> Non
     margins = np.full_like(folded.margins, 0.2)
     margins[1, MARGINS.index(Limit.GUIDE)] = 0.001
     at_end = replace(folded, margins=margins)
-    assert not near_by_reach(2.0, at_end)
+    assert not near_by_reach(APPENDIX_4.geometry, 2.0, at_end)
     both = margins.copy()
     both[2, MARGINS.index(Limit.STRETCHED)] = 0.5 * SERIAL_CLEARANCE
-    assert near_by_reach(2.0, replace(folded, margins=both))
+    assert near_by_reach(APPENDIX_4.geometry, 2.0, replace(folded, margins=both))
 
 
 def test_poses_at_a_limit_still_count() -> None:
-    """By default a local conditioning index of 0.1, and always 10 mm to a serial singularity."""
+    """By default a local conditioning index of 0.1, and 10 mm to a serial singularity."""
     worst, least = 1 / 0.1, 10e-3
-    assert not near_singularity(worst, least)
-    assert near_singularity(np.nextafter(worst, np.inf), least)
-    assert near_singularity(worst, np.nextafter(least, 0.0))
-    assert near_singularity([np.nan, 1.0], [1.0, np.nan]).all()
+    near = partial(near_singularity, APPENDIX_4.geometry)
+    assert not near(worst, least)
+    assert near(np.nextafter(worst, np.inf), least)
+    assert near(worst, np.nextafter(least, 0.0))
+    assert near([np.nan, 1.0], [1.0, np.nan]).all()
+
+
+@pytest.mark.parametrize("size", [0.02, 5.0])
+def test_same_poses_count_in_robots_of_any_size(size: float) -> None:
+    def counts(times: float) -> NDArray[np.bool_]:
+        grid = xy_grid(times * SIDE, times * SIDE, 0.5, -0.35 * times)
+        return counting(solve_field(resized(APPENDIX_4, times).geometry, grid))
+
+    assert counts(1.0).any()
+    np.testing.assert_array_equal(counts(size), counts(1.0))
 
 
 def test_higher_limit_lets_more_poses_count() -> None:
@@ -86,4 +101,4 @@ def test_higher_limit_lets_more_poses_count() -> None:
 def test_known_poses(pose: tuple[float, ...], near: bool) -> None:
     reach = check_reach(APPENDIX_4.geometry, pose)
     measured = measure_singularity(APPENDIX_4.geometry, pose)
-    assert near_by_reach(measured.condition, reach) == near
+    assert near_by_reach(APPENDIX_4.geometry, measured.condition, reach) == near

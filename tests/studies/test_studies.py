@@ -87,7 +87,8 @@ def test_metrics_are_those_of_the_poses(seed, knee) -> None:
     ok = np.isfinite(torque).all(axis=-1)
     margins = reach.margins.reshape(len(pose), -1)
     at_guide = margins.argmin(axis=-1) % len(MARGINS) == MARGINS.index(Limit.GUIDE)
-    usable = ok & (near.condition <= 6.0) & ((margins.min(axis=-1) >= 0.01) | at_guide)
+    least = 0.01 * (design.geometry.crank_length + design.geometry.coupler_length) / 1.05
+    usable = ok & (near.condition <= 6.0) & ((margins.min(axis=-1) >= least) | at_guide)
     assert found["reached_share"] == pytest.approx(ok.mean())
     assert found["usable_share"] == pytest.approx(usable.mean())
     assert found["mass_kg"] - found["added_mass_kg"] == pytest.approx(2.0)

@@ -91,7 +91,8 @@ class Frame:
     def near(self) -> bool:
         """Whether the last reachable pose is too close to a singularity to count."""
         limit = self.state.condition_limit
-        return bool(near_by_reach(self.singularity.condition, self.configuration.reach, limit))
+        taken, condition = self.configuration, self.singularity.condition
+        return bool(near_by_reach(taken.geometry, condition, taken.reach, limit))
 
     @cached_property
     def explanation(self) -> str:

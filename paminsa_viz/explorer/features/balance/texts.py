@@ -30,6 +30,7 @@ from paminsa_viz.explorer.state.balance import (
 )
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, PaminsaError, static_imbalance
+from paminsa_viz.model.singular_limit import serial_clearance
 from paminsa_viz.units import (
     counted,
     format_pose,
@@ -103,6 +104,7 @@ def details_html(outcome: BalanceOutcome | None) -> str:
     return render(
         "balance/result.j2", job=outcome.job,
         theta=format_value(outcome.job.theta, "rad"), z=format_value(outcome.job.z, "m"),
+        clearance=format_value(serial_clearance(outcome.job.design.geometry), "m", 3),
         effects=effects_table(found.effects), changes=changes,
         certificate=certificate_note(found.optimum).text, seconds=found.optimum.seconds,
         bounds=replace(bounds, rows=bounds.rows[:MAX_BOUNDS]).columns(0, 2, 3, 4),

@@ -54,9 +54,8 @@ def turning_ranges(
     reach = check_reach(geometry, poses)
     poses = poses[reach.ok]
     if len(poses):
-        near = near_singularity(
-            measure_singularity(geometry, poses).condition, serial_margins(reach)[reach.ok], limit
-        )
+        condition = measure_singularity(geometry, poses).condition
+        near = near_singularity(geometry, condition, serial_margins(reach)[reach.ok], limit)
         poses = poses[~near]
         sides = np.sign(locus_distances(geometry, np.vstack([home_pose(geometry), poses])))
         poses = poses[(sides[1:] == sides[0]).all(axis=-1)]
