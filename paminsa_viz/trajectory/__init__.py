@@ -21,6 +21,7 @@ from paminsa_viz.trajectory.check import (
     PathCheck,
     PathEvent,
     check_path,
+    singular_clearance,
 )
 from paminsa_viz.trajectory.crossing import (
     Crossing,
@@ -137,6 +138,7 @@ __all__ = [
     "shortest_motion",
     "shortest_stretch",
     "simulate",
+    "singular_clearance",
     "solve_trajectory",
     "spline_path",
     "straight_path",

@@ -15,7 +15,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import TorqueBreakdown
 from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
+from paminsa_viz.trajectory.check import PathCheck
 from paminsa_viz.trajectory.crossing_measures import CrossingLoad, crossing_loads
 from paminsa_viz.trajectory.integrals import rms, running_integral
 from paminsa_viz.trajectory.sampled import Trajectory
@@ -196,7 +196,7 @@ def analyze(
     trajectory: Trajectory,
     *,
     misprints: Misprint = Misprint.NONE,
-    clearance: float = SINGULAR_CLEARANCE,
+    clearance: float | None = None,
     keep: SolvedTrajectory | None = None,
 ) -> TrajectoryAnalysis:
     """Return the required actuator torques and what follows from them.

@@ -25,7 +25,8 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.trajectory.sampled import Passage, Trajectory
 
 SINGULAR_CLEARANCE = 0.005
-"""Least distance from a singular position [m]; a turn counts as the path of the joints 5.
+"""Least distance from a singular position at Appendix 4's lengths [m]; a turn counts as the path of
+the joints 5. See `singular_clearance` for others.
 
 At 5 mm the static torques of Appendix 4's robot are some fifty times what they are at the center.
 """
@@ -125,19 +126,33 @@ class ImpossibleTrajectory(PaminsaError):
 
 
 @of_geometry
+def singular_clearance(geometry: Geometry) -> float:
+    """Return `SINGULAR_CLEARANCE` in proportion to R_b [m].
+
+    So torques beside a singularity grow by the same factor on robots of one shape, and the presets,
+    which grow with R_b, keep it on small ones.
+
+    Args:
+        geometry: Lengths of the mechanism.
+    """
+    return SINGULAR_CLEARANCE * geometry.base_radius / Geometry().base_radius
+
+
+@of_geometry
 def check_path(
-    geometry: Geometry, trajectory: Trajectory, clearance: float = SINGULAR_CLEARANCE
+    geometry: Geometry, trajectory: Trajectory, clearance: float | None = None
 ) -> PathCheck:
     """Check a trajectory; both branches of the knee alike.
 
     Args:
         geometry: Lengths and limits.
         trajectory: The motion.
-        clearance: Least distance from type-2 singular positions [m].
+        clearance: Least distance from type-2 singular positions [m]; `singular_clearance` if None.
 
     Raises:
         InvalidInput: If the clearance is negative or not finite.
     """
+    clearance = singular_clearance(geometry) if clearance is None else clearance
     require_at_least(clearance, "clearance", what="a length of at least 0 m")
     distances = _singular_distances(geometry, trajectory.pose)
     side = np.where(distances[0] < 0, -1.0, 1.0)

@@ -18,7 +18,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix, platform_wrench
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
-from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
+from paminsa_viz.trajectory.check import singular_clearance
 from paminsa_viz.trajectory.crossing import limit_torques, locus_distances, torque_growth
 from paminsa_viz.trajectory.sampled import OFF_CROSSING, RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
@@ -57,7 +57,7 @@ class CrossingDrift:
 
 @of_design
 def payload_drift(
-    design: Design, found: TimeOptimalPlan, error: float, clearance: float = SINGULAR_CLEARANCE
+    design: Design, found: TimeOptimalPlan, error: float, clearance: float | None = None
 ) -> tuple[CrossingDrift, ...]:
     """Return how far an unknown payload takes the platform off at each crossing of a motion.
 
@@ -68,11 +68,13 @@ def payload_drift(
         design: The robot that the motion was planned for.
         found: The motion.
         error: Payload beyond the design's [kg].
-        clearance: Distance from the locus within which corrections are not counted on [m].
+        clearance: Distance from the locus within which corrections are not counted on [m];
+            `singular_clearance` if None.
 
     Raises:
         InvalidDesign: If the payload is negative with the error.
     """
+    clearance = singular_clearance(design) if clearance is None else clearance
     payload = replace(design.payload, mass=design.payload.mass + error)
     heavier = replace(design, payload=payload)
     drifts = []

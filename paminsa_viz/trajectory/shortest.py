@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Design
-from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
 from paminsa_viz.trajectory.durations import limit_of, needed_durations
 from paminsa_viz.trajectory.law_program import LawProgram
 from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
@@ -78,7 +77,7 @@ def shortest_motion(
     design: Design | None = None,
     *,
     drives: bool = True,
-    clearance: float = SINGULAR_CLEARANCE,
+    clearance: float | None = None,
 ) -> ShortestMotion:
     """Return a motion with the time-optimal law on its own path, within all limits.
 

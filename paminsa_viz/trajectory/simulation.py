@@ -28,12 +28,12 @@ from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory.check import (
     GUIDES,
-    SINGULAR_CLEARANCE,
     PassageWindow,
     PathEvent,
     allowed,
     check_path,
     limit_margins,
+    singular_clearance,
     worst_event,
 )
 from paminsa_viz.trajectory.equations import equations
@@ -224,7 +224,7 @@ def simulate(
     model: Design | None = None,
     controller: Controller | None = None,
     offset: ArrayLike = (0.0, 0.0, 0.0, 0.0),
-    clearance: float = SINGULAR_CLEARANCE,
+    clearance: float | None = None,
     tolerance: float = _TOLERANCE,
 ) -> Simulation:
     """Let a controller drive a robot along a trajectory.
@@ -242,7 +242,7 @@ def simulate(
             in masses, payload, gravity, friction and load, not in geometry.
         controller: By default feed-forward with PD at the actuators.
         offset: (4,) pose error at the start [m, m, rad, m].
-        clearance: Least distance from singular positions [m].
+        clearance: Least distance from singular positions [m]; `singular_clearance` if None.
         tolerance: Relative error of a step.
 
     Raises:
@@ -259,6 +259,7 @@ def simulate(
     controller = controller or Controller()
     if model.geometry != design.geometry:
         raise InvalidInput("model", "its geometry has to be that of the robot")
+    clearance = singular_clearance(design) if clearance is None else clearance
     check = check_path(design.geometry, trajectory, clearance)
     check.require()
     shift = as_vectors(offset, "offset")

@@ -22,7 +22,7 @@ from paminsa_viz.model.lumped import Misprint, lumped_coefficients
 from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
-from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck, PathEvent, check_path
+from paminsa_viz.trajectory.check import PathCheck, PathEvent, check_path, singular_clearance
 from paminsa_viz.trajectory.sampled import Trajectory
 
 _WEIGHTS = slice(0, 3)  # places of M_p1..3 among the lumped coefficients
@@ -165,9 +165,10 @@ class SolvedTrajectory:
         geometry: Geometry | Design,
         trajectory: Trajectory,
         misprints: Misprint,
-        clearance: float = SINGULAR_CLEARANCE,
+        clearance: float | None = None,
     ) -> bool:
         """Whether this is what `solve_trajectory` would return for these."""
+        clearance = singular_clearance(geometry) if clearance is None else clearance
         return (
             self.trajectory is trajectory
             and self.misprints == misprints
@@ -183,7 +184,7 @@ def solve_trajectory(
     *,
     gravity: float = 9.81,
     misprints: Misprint = Misprint.NONE,
-    clearance: float = SINGULAR_CLEARANCE,
+    clearance: float | None = None,
 ) -> SolvedTrajectory:
     """Solve what depends on the geometry and the motion alone; raises nothing for a failing path.
 
@@ -197,6 +198,7 @@ def solve_trajectory(
     Raises:
         InvalidInput: If gravity or clearance is not possible.
     """
+    clearance = singular_clearance(geometry) if clearance is None else clearance
     check = check_path(geometry, trajectory, clearance)
     y = torque_regressor(
         geometry, trajectory.pose, trajectory.velocity, trajectory.acceleration,

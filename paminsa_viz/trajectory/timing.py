@@ -16,7 +16,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
+from paminsa_viz.trajectory.check import check_path
 from paminsa_viz.trajectory.durations import (
     FIRST_OF_DRIVES,
     coulomb_friction,
@@ -137,7 +137,7 @@ def shortest_stretch(
     reshape: bool = True,
     drives: bool = True,
     misprints: Misprint = Misprint.NONE,
-    clearance: float = SINGULAR_CLEARANCE,
+    clearance: float | None = None,
 ) -> ShortestStretch:
     """Return a motion in the shortest duration that keeps all limits; every longer one does too.
 

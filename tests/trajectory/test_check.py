@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from paminsa_viz.model import APPENDIX_4, InvalidInput, Limit, check_reach, singular_radius
 from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.trajectory import (
+    PRESETS,
     SINGULAR_CLEARANCE,
     ImpossibleTrajectory,
     Trajectory,
@@ -20,8 +21,10 @@ from paminsa_viz.trajectory import (
     check_path,
     point_to_point,
     round_trip,
+    singular_clearance,
 )
 from paminsa_viz.trajectory.sampled import Locus, Passage
+from tests.support.samples import resized
 
 GEOMETRY = APPENDIX_4.geometry
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
@@ -203,6 +206,20 @@ def test_closest_approach() -> None:
     assert check.closest.margin == pytest.approx(expected, abs=1e-12)
     wide = check_path(GEOMETRY, to(0.2, 0.0, 0.0, -0.5).sample(), clearance=0.0)
     assert wide.closest.margin == pytest.approx(expected + SINGULAR_CLEARANCE, abs=1e-12)
+
+
+def test_clearance_and_presets_follow_the_size_of_the_robot() -> None:
+    """Down to a fiftieth; there all presets but one were refused by the prototype's 5 mm."""
+    assert singular_clearance(GEOMETRY) == SINGULAR_CLEARANCE
+    for size in (0.02, 5.0):
+        geometry = resized(APPENDIX_4, size).geometry
+        for preset in PRESETS:
+            found = check_path(geometry, preset.build(geometry).sample(50.0))
+            assert found.possible, preset.key
+            usual = check_path(GEOMETRY, preset.build(GEOMETRY).sample(50.0))
+            # Instants between waypoints follow a length for a turn of 1 rad, which stays.
+            play = 0.1 if preset.key == "waypoints" else 1e-6
+            assert found.closest.margin == pytest.approx(size * usual.closest.margin, play)
 
 
 def test_a_platform_larger_than_the_base_has_no_singular_turn() -> None:

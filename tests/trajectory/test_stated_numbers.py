@@ -62,7 +62,8 @@ HOME = (0.0, 0.0, 0.0, -0.5)
 def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
     control = Controller()
     motions = [
-        f"nearer than the clearance ({1e3 * SINGULAR_CLEARANCE:g} mm unless another is given)",
+        f"nearer than the clearance ({1e3 * SINGULAR_CLEARANCE:g} mm at Appendix 4's lengths, in "
+        "proportion to R_b at others, unless another is given)",
         f"a quadratic spline of some {PIECES} pieces, {LEAST} at least between",
         f"in between ({LOOKED_AT} places of each piece are looked at) by more than "
         f"{100 * EXCEEDED:g} % of the duration, points are added",
@@ -91,7 +92,8 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"up to {WIDEST:g} of the path to both sides",
         f"is moved by {1e6 * OFF_CROSSING:g} µs",
         f"counts from {100 * EXCESS:g} % of the largest torque on",
-        f"within a clearance of the locus ({1e3 * SINGULAR_CLEARANCE:g} mm unless given)",
+        f"within a clearance of the locus ({1e3 * SINGULAR_CLEARANCE:g} mm at Appendix 4's "
+        "R_b unless given)",
     ]
     commands = [
         f"Samples a second; {RATE:g} for planned motions",
@@ -160,10 +162,10 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
 @pytest.mark.parametrize(
     ("function", "defaults"),
     [
-        (simulate, {"clearance": SINGULAR_CLEARANCE, "offset": (0.0,) * 4, "model": None}),
-        (analyze, {"clearance": SINGULAR_CLEARANCE, "keep": None}),
-        (shortest_stretch, {"reshape": True, "drives": True, "clearance": SINGULAR_CLEARANCE}),
-        (shortest_motion, {"drives": True, "clearance": SINGULAR_CLEARANCE}),
+        (simulate, {"clearance": None, "offset": (0.0,) * 4, "model": None}),
+        (analyze, {"clearance": None, "keep": None}),
+        (shortest_stretch, {"reshape": True, "drives": True, "clearance": None}),
+        (shortest_motion, {"drives": True, "clearance": None}),
         (point_to_point, {"duration": 1.0}),
         (arch, {"duration": 1.0, "lift_share": 0.4, "overlap": 0.5}),
         (line, {"duration": 1.0}),
@@ -171,10 +173,10 @@ def test_what_is_just_possible_is_done_and_what_is_just_not_is_refused(
         (TimeLaw, {"profile": Profile.QUINTIC, "ramp": 0.3, "blend": 0.4}),
         (from_samples, {"rest": False, "load": None}),
         (unplanned_torque, {"rate": RATE}),
-        (payload_drift, {"clearance": SINGULAR_CLEARANCE}),
+        (payload_drift, {"clearance": None}),
         (circle, {"duration": 1.0, "plane": "xy", "begin": 0.0, "angle": 2 * np.pi}),
         (plan_deformed, {"duration": None, "most": 0.02}),
-        (solve_trajectory, {"gravity": APPENDIX_4.gravity, "clearance": SINGULAR_CLEARANCE}),
+        (solve_trajectory, {"gravity": APPENDIX_4.gravity, "clearance": None}),
         (Plan.sample, {"rate": RATE}),
         (Trajectory.resampled, {"rate": RATE}),
     ],
