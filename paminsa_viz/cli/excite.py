@@ -30,6 +30,7 @@ from paminsa_viz.identification import (
     optimize_excitation,
 )
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.singular_limit import serial_clearance
 from paminsa_viz.trajectory.sampled import sample_times
 
 DESCRIPTION = """\
@@ -73,8 +74,9 @@ class Excite(JsonFlags, DesignFlags):
     """Limit of the speed of M4 [m/s]; by default that of its drive, and 0.25 without one."""
     max_condition: float = 5.0
     """Largest condition number on the way."""
-    clearance: Annotated[float, tyro.conf.arg(metavar="MM")] = 10.0
-    """Least distance to the limits of reach [mm]."""
+    clearance: Annotated[OrNone[float], tyro.conf.arg(metavar="MM")] = None
+    """Least distance to the limits of reach [mm]; by default 10 at Appendix 4's lengths, and in
+    proportion to crank plus coupler at others."""
     seconds: Annotated[float, tyro.conf.arg(metavar="S")] = DEFAULTS.seconds
     """Time for the search [s]; at most a quarter of it goes to the random motions that it starts
     with."""
@@ -131,9 +133,13 @@ class Excite(JsonFlags, DesignFlags):
                 raise UsageError(f"--{name}: a finite limit above 0 is needed, not {limit!r}")
             if limit is not None:
                 values[part] = limit
-        if not 0 <= self.clearance <= 1e6:
+        if self.clearance is None:
+            clearance = serial_clearance(design.geometry)
+        elif 0 <= self.clearance <= 1e6:
+            clearance = self.clearance / 1e3
+        else:
             raise UsageError(f"--clearance: 0 to 1e6 mm are possible, not {self.clearance!r}")
-        return ExcitationLimits(speed, torque, self.max_condition, self.clearance / 1e3)
+        return ExcitationLimits(speed, torque, self.max_condition, clearance)
 
 
 FLAGS = Excite

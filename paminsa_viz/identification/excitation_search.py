@@ -156,9 +156,10 @@ def _refusal(info: Information, smallest: Array) -> NoExcitation:
     # what is left of reach and height is a share of a length, of all others one of the limit
     times = 1.0 - rooms[motion, place] if place < len(LIMITED) - 2 else np.inf
     by = f", {times:.3g} times as large" if np.isfinite(times) else ""
+    remedy = "; raise it, or give the design a drive that has more" if place < 8 else ""
     name = LIMITED[min(place, len(LIMITED) - 1)]  # reach is the last one, of each leg
     return NoExcitation(
-        f"no motion about home keeps the limits: the {name} is beyond its limit {when}{by}"
+        f"no motion about home keeps the limits: the {name} is beyond its limit {when}{by}{remedy}"
     )
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paminsa_viz.files import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model import APPENDIX_4, actuator_velocity, static_torques
 from paminsa_viz.trajectory import preset_center
 from tests.support.commands import run, run_json
+from tests.support.samples import resized
 
 SHORT = ("--evaluations", "5", "--period", "6")
 
@@ -35,8 +37,11 @@ def test_written_motion_keeps_the_reported_limits(capsys) -> None:
 
 @pytest.mark.slow
 def test_table_for_people_names_every_limit(capsys) -> None:
-    code, out, err = run("excite", capsys, *SHORT)
+    """Of a tenth of the lengths, beside which the least distance to a limit of reach is."""
+    save_design(resized(APPENDIX_4, 0.1), "small.toml")
+    code, out, err = run("excite", capsys, *SHORT, "--design", "small.toml")
     assert code == 0
+    assert ">= 1 mm" in out
     assert err == "searching for up to 60 s ...\n"
     assert "of the best of 20 random motions" in out
     for name in ("speed of M1", "force of M4", "condition number", "distance to the limits"):
@@ -48,4 +53,7 @@ def test_wrong_limits_are_refused(capsys) -> None:
     code, out, err = run("excite", capsys, *SHORT, "--max-force", "50")
     assert (code, out) == (1, "")
     held = static_torques(APPENDIX_4, preset_center(APPENDIX_4.geometry))[3]
-    assert f"force of M4 is beyond its limit at rest there, {held / 50:.3g} times as large" in err
+    assert (
+        f"force of M4 is beyond its limit at rest there, {held / 50:.3g} times as large; raise it"
+        in err
+    )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.explorer.state.identification import ExcitationJob, IdentifyJob
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.model.singular_limit import serial_clearance
 from paminsa_viz.progress import Canceled, Progress
 
 if TYPE_CHECKING:  # a page waits for none of it at its start
@@ -54,5 +55,6 @@ def search_excitation(job: ExcitationJob, progress: Progress) -> Excitation:
         period=own.period, harmonics=own.harmonics, periods=own.periods, seconds=own.seconds,
         evaluations=1_000_000,
     )  # fmt: skip
-    kept = ExcitationLimits(limits.speed, limits.rated)
+    clearance = serial_clearance(job.design.geometry)
+    kept = ExcitationLimits(limits.speed, limits.rated, clearance=clearance)
     return optimize_excitation(job.design, kept, settings, progress=progress)
