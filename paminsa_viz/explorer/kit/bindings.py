@@ -36,7 +36,7 @@ from paminsa_viz.explorer.kit.entries import (
     Worker,
     given,
 )
-from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Pair, Slider
+from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Pair, Slider, decimals
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -314,7 +314,7 @@ class Binding:
 
 
 class SliderBinding(Binding):
-    """A slider with its ends: they follow the state, and grow to values beyond them.
+    """A slider with its ends and step: they follow the state; ends grow to values beyond them.
 
     While a person drags the slider its ends stay, or the thumb would slip away; they shrink again
     when the page is idle, or a value comes from elsewhere.
@@ -324,18 +324,30 @@ class SliderBinding(Binding):
         super().__init__(session, entry, handle)
         self._slider = entry
         self._base = given(entry.range, session.state)
-        self._ends = (handle.min, handle.max)
+        self._ends, self._marks = (handle.min, handle.max), handle._marks or ()
+        self._show_marks()
 
     def draw(self, state: State, dragging: bool = True) -> bool:
         written = super().draw(state, dragging)
         base = given(self._slider.range, state)
         dragged = dragging and base == self._base and not written
         self._base = base
+        step = given(self._slider.step, state)
+        if step != self._handle.step:
+            self._handle.step, self._handle.precision = step, decimals(step)
         ends = self._slider.ends(state, self._ends if dragged else base)
         if ends != self._ends:
             self._ends = ends
             self._handle.min, self._handle.max = ends
+            self._show_marks()
         return written
+
+    def _show_marks(self) -> None:
+        """Show the marks between the ends; the page would draw others at an end."""
+        low, high = self._ends
+        marks = tuple(mark for mark in self._marks if low <= mark.value <= high) or None
+        if marks != self._handle._marks:
+            self._handle._marks = marks
 
 
 def perform(session: Session, key: str, effect: Effect, *, undo: bool = True) -> None:
@@ -367,7 +379,7 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, (int, float)) and isinstance(b, (int, float)):
         if math.isnan(a) and math.isnan(b):
             return True
-        return math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-9)
+        return math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15)
     return a == b
 
 

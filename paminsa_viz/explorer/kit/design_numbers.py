@@ -18,10 +18,12 @@ from paminsa_viz.model import (
     PARAMETER,
     PARAMETERS,
     Design,
+    Geometry,
     InvalidDesign,
     InvalidInput,
     Parameter,
 )
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.units import DisplayUnit, number, symbol_text
 
 STROKE = "geometry.guide_stroke"
@@ -146,11 +148,42 @@ _BY_UNIT = {"kg": (3.0, 10.0, 0.0005), "kg m^2": (3.0, 0.1, 0.00005), "m": (2.0,
 With twice a length, the other lengths unchanged, the pantograph can still close."""
 
 
-def base_range(parameter: Parameter) -> tuple[float, float, float]:
+_POWERS = {
+    "m": 1, "kg": 3, "kg m^2": 5, "N": 3, "N m": 4, "N s/m": 3, "N m s/rad": 4,
+}  # fmt: skip
+"""Powers of the lengths that numbers of robots of one shape and one density grow with."""
+
+
+def shrunk(parameter: Parameter, geometry: Geometry) -> float:
+    """Return what ends and step of a slider are multiplied by: a power of ten, 1 for most robots.
+
+    Those of a micro-manipulator would all be in the first pixel, and less than a step. For a large
+    robot the slider grows, see `fitted_range`.
+    """
+    decades = min(round(math.log10(length_ratio(geometry))), 0)
+    return 10.0 ** (decades * _POWERS.get(parameter.unit, 0))
+
+
+def base_range(
+    parameter: Parameter, geometry: Geometry = APPENDIX_4.geometry
+) -> tuple[float, float, float]:
     """Return ends and step of a parameter's slider, in the unit shown.
 
     A larger or smaller number can be typed, and the slider grows to it.
+
+    Args:
+        parameter: The parameter.
+        geometry: Lengths of the robot, beside which the ends are.
     """
+    ends = _prototype_range(parameter)
+    if (times := shrunk(parameter, geometry)) == 1.0:
+        return ends
+    low, high, step = (float(f"{times * value:.6g}") for value in ends)
+    return low, high, step
+
+
+def _prototype_range(parameter: Parameter) -> tuple[float, float, float]:
+    """Return the same at Appendix 4's lengths."""
     if parameter.path in RANGES:
         return RANGES[parameter.path]
     if parameter.signed:
@@ -204,10 +237,14 @@ def hint(parameter: Parameter) -> str:
 def slider(parameter: Parameter, ends: tuple[float, float, float] | None = None) -> Slider:
     """Return the slider of a parameter; ends and step, in the unit shown, follow its default."""
     path, unit, symbol = parameter.path, parameter.display, symbol_text(parameter.symbol)
-    low, high, step = base_range(parameter) if ends is None else ends
+
+    def given_ends(state: State) -> tuple[float, float, float]:
+        return base_range(parameter, state.document.design.geometry) if ends is None else ends
+
     default = unit.from_si(parameter.default)
     return Slider(
-        f"design.{path}", label(parameter), range=(low, high), step=step, unit=unit,
+        f"design.{path}", label(parameter), range=lambda state: given_ends(state)[:2],
+        step=lambda state: given_ends(state)[2], unit=unit,
         fit=partial(fitted_range, path), marks=((default, number(default, DIGITS)),),
         hint=hint(parameter),
         read=lambda state: state.document.design.value(path),

@@ -143,14 +143,14 @@ class OneNumber(Input):
     """
 
     _: KW_ONLY
-    step: float
+    step: Given[float]
     unit: DisplayUnit = PLAIN
 
     def shown(self, state: State) -> float:
         return self.unit.from_si(self.read(state))
 
     def is_shown(self, state: State, value: Any) -> bool:
-        return same_digits(value, self.shown(state), decimals(self.step))
+        return same_digits(value, self.shown(state), decimals(given(self.step, state)))
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ class Slider(OneNumber):
         range: Its ends, in the unit shown.
         fit: Grows the range to a number beyond it, which can then be typed; without it, numbers
             more than a step beyond the range are refused.
-        marks: Values with a tick.
+        marks: Values with a tick, which is left out while it is beyond the ends.
     """
 
     _: KW_ONLY
@@ -173,8 +173,9 @@ class Slider(OneNumber):
         number = self.number(state, value, (None, None), PLAIN)
         if self.fit is None:
             low, high = given(self.range, state)
+            step = given(self.step, state)
             # The page may round the ends, and a number at an end that has just moved is near it.
-            if not low - self.step <= number <= high + self.step:
+            if not low - step <= number <= high + step:
                 raise self.refusal(state, f"{low:g} to {high:g} is possible, not {number:g}")
             number = min(max(number, low), high)
         return self.unit.to_si(number)
@@ -185,9 +186,9 @@ class Slider(OneNumber):
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
         low, high = self.ends(state, given(self.range, state))
-        value = self.shown(state)
-        handle = gui.add_slider(label, low, high, self.step, value, marks=self.marks, **properties)
-        handle.precision = decimals(self.step)
+        value, step = self.shown(state), given(self.step, state)
+        handle = gui.add_slider(label, low, high, step, value, marks=self.marks, **properties)
+        handle.precision = decimals(step)
         return handle
 
 
@@ -208,8 +209,9 @@ class Number(OneNumber):
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
         value = self.shown(state)
         low, high = holding(in_unit(self.range, self.unit), value)
-        handle = gui.add_number(label, value, min=low, max=high, step=self.step, **properties)
-        handle.precision = decimals(self.step)
+        step = given(self.step, state)
+        handle = gui.add_number(label, value, min=low, max=high, step=step, **properties)
+        handle.precision = decimals(step)
         return handle
 
 

@@ -132,8 +132,8 @@ def another(entry: Input, state: State) -> Any:
     if isinstance(entry, Pair):
         return next(end for end, _ in ends(entry, state) if end != entry.shown(state))
     assert isinstance(entry, (Slider, Number))
-    value, high = entry.shown(state), ends(entry, state)[-1][0]
-    return value + entry.step if value < high else value - entry.step
+    value, high, step = entry.shown(state), ends(entry, state)[-1][0], given(entry.step, state)
+    return value + step if value < high else value - step
 
 
 @EACH_PANEL
@@ -167,7 +167,7 @@ def test_ends_of_a_range_are_possible_and_no_number_beyond_them(panel: str, stat
                     entry.parse(state, beyond)
                 assert error.value.argument == name(entry, state)
             elif entry.fit is None:
-                step = math.copysign(entry.step, beyond - end)
+                step = math.copysign(given(entry.step, state), beyond - end)
                 assert entry.parse(state, end + step) == entry.parse(state, end)
                 with pytest.raises(InvalidInput, match="is possible"):
                     entry.parse(state, end + 2 * step)
@@ -328,7 +328,8 @@ def test_a_number_typed_again_as_it_is_shown_changes_nothing(server: viser.Viser
             desk.dispatch(lambda s, v=value: actions.vary(s, {path: v}))
             desk.until(lambda: desk.handle(entry.key).value == entry.shown(desk.state))
             before = desk.state.document.design
-            desk.set(entry.key, round(desk.handle(entry.key).value, decimals(entry.step)))
+            places = decimals(given(entry.step, desk.state))
+            desk.set(entry.key, round(desk.handle(entry.key).value, places))
             desk.dispatch(lambda s: s)
             assert desk.state.document.design == before
             desk.set(entry.key, 300.25)

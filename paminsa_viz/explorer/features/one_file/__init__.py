@@ -174,7 +174,7 @@ def _slider(entry: Slider, state: State) -> dict[str, Any]:
     low, high = entry.ends(state, given(entry.range, state))
     return {
         "label": given(entry.label, state), "hint": given(entry.hint, state),
-        "low": low, "high": high, "step": entry.step, "factor": entry.unit.factor,
+        "low": low, "high": high, "step": given(entry.step, state), "factor": entry.unit.factor,
     }  # fmt: skip
 
 

@@ -73,7 +73,7 @@ LARGER_IS_BETTER = ("reach_margin", "conditioning")
 
 def rounded(value: float, entry: Quantity, *, up: bool) -> float:
     """Return a value rounded away to two digits as it is shown [SI]."""
-    shown = entry.display.from_si(value)
+    shown = round(entry.display.from_si(value), 9)  # torques of a balanced robot are rounding
     if shown == 0 or not math.isfinite(shown):
         return 1.0 if up else 0.0
     step = 10.0 ** (math.floor(math.log10(abs(shown))) - 1)

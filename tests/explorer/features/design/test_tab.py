@@ -39,7 +39,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.units import number, symbol_text
 from tests.support.desk import Desk
-from tests.support.samples import random_design
+from tests.support.samples import prototype_times, random_design
 
 PANEL = (*LENGTHS, *MASSES, *LOAD)
 ROWS = {p.path: slider(p) for group in GROUPS for p in group.parameters}
@@ -168,6 +168,26 @@ def test_slider_grows_to_a_typed_number_and_shrinks_after_a_reset(desk: Desk) ->
     desk.until(lambda: (handle.value, handle.min, handle.max) == (0.406, *ends))
     desk.set("design.geometry.magnification", 1.32)
     desk.until(lambda: desk.handle("design.geometry.magnification").min == 1.32)
+
+
+def test_sliders_of_a_small_robot_have_ends_and_steps_of_its_size(desk: Desk) -> None:
+    desk.dispatch(lambda state: actions.with_design(state, prototype_times(0.1)))
+    for path, times in {
+        "geometry.crank_length": 0.1, "links.b3": 1e-3, "inertias.b7_axial": 1e-5,
+        "friction.coulomb_linear": 1e-3,
+    }.items():  # fmt: skip
+        handle = desk.handle(f"design.{path}")
+        ends = [pytest.approx(times * number) for number in base_range(PARAMETER[path])]
+        desk.until(lambda h=handle, e=ends: [h.min, h.max, h.step] == e)
+        assert bool(handle._marks) == path.startswith("friction")  # Appendix 4's are beyond
+    handle = desk.handle("design.inertias.b7_axial")
+    for value in (8.5e-9, 8e-9):
+        desk.dispatch(lambda state, v=value: actions.vary(state, {"inertias.b7_axial": v}))
+        desk.until(lambda v=value: handle.value == v)
+    desk.set("design.inertias.b7_axial", 7e-9)
+    desk.until(lambda: desk.design.inertias.b7_axial == 7e-9)
+    desk.dispatch(lambda state: actions.with_design(state, APPENDIX_4))
+    desk.until(lambda: handle._marks)
 
 
 def test_typing_through_an_impossible_number_is_not_interrupted(desk: Desk) -> None:
