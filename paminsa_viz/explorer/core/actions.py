@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from paminsa_viz.explorer.core.simulated import at_instant
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.layers import with_layers
+from paminsa_viz.explorer.state.motion import sized
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.simulation import unknown_payload
 from paminsa_viz.explorer.state.state import State
@@ -31,14 +32,16 @@ def with_document(state: State, document: Document) -> State:
     simulated robot is if that is shown; where the motion fails, it stays.
     """
     document = with_names_apart(document)
+    was, now = state.document.design.geometry, document.design.geometry
+    document = replace(document, motion=sized(document.motion, was, now))
     if state.playback.following:
         document = at_instant(document, state.simulation, state.playback.time)
     last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)
     changed = replace(state, document=document, last_reachable=last_reachable)
-    was, payload = (unknown_payload(one.document.design.geometry) for one in (state, changed))
-    if payload == was or state.simulation.settings.payload_mismatch != was:
+    usual, payload = unknown_payload(was), unknown_payload(now)
+    if payload == usual or state.simulation.settings.payload_mismatch != usual:
         return changed  # or a person has chosen one
     return changed.updated("simulation.settings", payload_mismatch=payload)
 

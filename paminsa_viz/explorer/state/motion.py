@@ -16,9 +16,10 @@ from paminsa_viz.explorer.state.settings import (
     setting,
     setting_fields,
 )
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import Geometry, InvalidInput
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import COORDINATES
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -94,7 +95,8 @@ DEFAULT_LIMITS = MotionLimits(
     torque=6.0,
     force=400.0,
 )
-"""Limits to begin with, within what Appendix 4's robot can do; none of them is the paper's."""
+"""Limits to begin with, within what Appendix 4's robot can do; none of them is the paper's. See
+`sized` for robots of other lengths."""
 
 
 @dataclass(frozen=True)
@@ -159,6 +161,50 @@ class Motion:
     def crosses(self) -> bool:
         """Whether it is planned through singularities; not every kind can be."""
         return self.cross and self.kind.can_cross
+
+
+_POWERS = {"height": 1, "radius": 1, "torque": 4, "force": 3}
+"""Powers of the lengths that numbers follow at first; torques and forces of robots of one density,
+at rest and at accelerations beside gravity."""
+
+
+def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
+    """Return a motion whose height, radius and limits of actuators follow the robot's lengths.
+
+    Those that a person has chosen stay. What `Motion` has at first would take a small robot out of
+    its workspace, and a large one cannot even be held within it.
+
+    Args:
+        motion: The motion.
+        was: Lengths that it was for.
+        now: Lengths that it is for.
+    """
+    if was == now:
+        return motion
+
+    def followed(owner: Motion | MotionLimits, first: Motion | MotionLimits) -> dict[str, float]:
+        names = [name for name in _POWERS if hasattr(owner, name)]
+        usual = {
+            name: [_usual(getattr(first, name), _POWERS[name], one) for one in (was, now)]
+            for name in names
+        }
+        return {
+            name: after
+            for name, (before, after) in usual.items()
+            if getattr(owner, name) == before != after
+        }
+
+    limits = replace(motion.limits, **followed(motion.limits, DEFAULT_LIMITS))
+    return replace(motion, limits=limits, **followed(motion, Motion()))
+
+
+def _usual(value: float, power: int, geometry: Geometry) -> float:
+    """Return a number that is chosen for Appendix 4's lengths for others, to one digit."""
+    size = length_ratio(geometry)
+    if 0.5 < size < 2.0:
+        return value
+    most = LENGTHS[1] if power == 1 else LARGEST_LIMIT
+    return float(f"{min(value * size**power, most):.0e}")
 
 
 def require_possible(motion: Motion) -> None:

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.state.layers import default_layers
 from paminsa_viz.explorer.state.loads import LoadsState
 from paminsa_viz.explorer.state.maps import MapView
 from paminsa_viz.explorer.state.monte_carlo import MonteCarloState
-from paminsa_viz.explorer.state.motion import Playback, PlotView, PointEditing
+from paminsa_viz.explorer.state.motion import Motion, Playback, PlotView, PointEditing, sized
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.pins import PinsState
 from paminsa_viz.explorer.state.requirements import RequirementsState
@@ -144,7 +144,8 @@ def _updated(data: Any, part: str, changes: dict[str, Any]) -> Any:
 def initial_state(design: Design = APPENDIX_4) -> State:
     """Return the state a new session starts with."""
     pose = home_pose(design.geometry)
-    document = Document(design, pose)
+    motion = sized(Motion(), APPENDIX_4.geometry, design.geometry)
+    document = Document(design, pose, motion=motion)
     state = State(document, LastReachable(design.geometry, pose))
     payload = unknown_payload(design.geometry)
     return state.updated("simulation.settings", payload_mismatch=payload)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
+from paminsa_viz.explorer.core.planning import checked, planned
 from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.features.motion import simulation as simulations
 from paminsa_viz.explorer.features.motion.layers import WantedPose
@@ -21,7 +23,7 @@ from paminsa_viz.explorer.features.motion.tab import SIMULATING, simulation_html
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.ghost import OPACITY, translucent
-from paminsa_viz.explorer.state.motion import Kind, Timing
+from paminsa_viz.explorer.state.motion import DEFAULT_LIMITS, Kind, Motion, Timing
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -53,6 +55,23 @@ def test_motion_plots_say_that_a_simulation_runs() -> None:
     found = MotionStore().all(state)
     assert "press Simulate" in caption_html(state, found, ())
     assert "Simulating …" in caption_html(simulations.simulate(state), found, ())
+
+
+@pytest.mark.parametrize("size", [0.05, 5.0])
+def test_motions_of_robots_of_other_lengths_can_be_run(size: float) -> None:
+    design = prototype_times(size)
+    opened = actions.with_design(initial_state(), design)
+    assert opened.document.motion == initial_state(design).document.motion
+    for kind in (Kind.CIRCLE, Kind.ARCH):
+        motion = replace(opened.document.motion, kind=kind, timing=Timing.SHORTEST)
+        plan = planned(motion, design)
+        assert plan.trajectory is not None
+        assert plan.problem == ""
+        assert checked(plan.trajectory, design.geometry).possible
+    chosen = motions.limit(motions.change(opened, radius=0.0123), "torque", 4.0)
+    back = actions.with_design(chosen, APPENDIX_4).document.motion
+    assert (back.radius, back.height, back.limits.torque) == (0.0123, Motion().height, 4.0)
+    assert back.limits.force == DEFAULT_LIMITS.force
 
 
 def test_unknown_payload_follows_the_lengths_until_a_person_sets_it() -> None:
