@@ -13,8 +13,9 @@ from paminsa_viz.blocks.data import robot
 from paminsa_viz.blocks.kinds import Block, Note, Table, rows
 from paminsa_viz.clearance import Clearance, PairGroup, clearance, clearance_reason
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
-from paminsa_viz.units import format_value
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
+from paminsa_viz.units import format_value, number
 
 MOST = 12
 """Pairs of the list of nearest bodies."""
@@ -25,12 +26,28 @@ def by_group(design: Design, pose: Array) -> dict[PairGroup, Clearance]:
     return {group: clearance(design, pose, [group]) for group in PairGroup}
 
 
+THICK_AS_DRAWN = "bodies are drawn as thick as the prototype's"
+
+
+def size_blocks(geometry: Geometry) -> list[Note]:
+    """Return what distances say of a robot whose lengths are far from the prototype's."""
+    if is_prototype_sized(geometry):
+        return []
+    times = number(length_ratio(geometry), 3)
+    text = (
+        f"{THICK_AS_DRAWN.capitalize()}, and the lengths are {times} times as long as its: these "
+        "are not the distances of a machine that is built of parts of its own size."
+    )
+    return [Note(text, "warn")]
+
+
 def pose_blocks(
-    groups: dict[PairGroup, Clearance], here: Clearance, required: float = 0.0
+    design: Design, groups: dict[PairGroup, Clearance], here: Clearance, required: float = 0.0
 ) -> list[Block]:
     """Return the nearest bodies of each group at a pose, and whether they are apart enough.
 
     Args:
+        design: The robot.
         groups: Clearance of each group.
         here: Clearance of all pairs.
         required: Least clearance [m].
@@ -45,6 +62,7 @@ def pose_blocks(
     return [
         Table(head, rows(*cells), "Nearest bodies at the pose, as they are drawn.", words=3),
         verdict(float(here.least), names, required),
+        *size_blocks(design.geometry),
     ]
 
 

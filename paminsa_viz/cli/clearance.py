@@ -77,7 +77,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
             print_json(clearance_data(design, pose, groups, here, over, required))
         else:
             print_heading(design, format_pose(pose))
-            print_blocks(pose_blocks(groups, here, required))
+            print_blocks(pose_blocks(design, groups, here, required))
             if over is not None:
                 print()
                 print_blocks(region_blocks(over, required))

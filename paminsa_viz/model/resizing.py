@@ -141,6 +141,11 @@ def length_ratio(geometry: Geometry) -> float:
     return _span(geometry) / _span(APPENDIX_4.geometry)
 
 
+def is_prototype_sized(geometry: Geometry) -> bool:
+    """Whether lengths are so near Appendix 4's that what is chosen for its robot holds as well."""
+    return 0.5 < length_ratio(geometry) < 2.0
+
+
 def _span(geometry: Geometry) -> float:
     return geometry.crank_length + geometry.coupler_length
 

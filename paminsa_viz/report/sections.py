@@ -92,7 +92,7 @@ def clearance_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Se
     design, here = analysis.design, np.array(pose)
     along = clearance(design, analysis.trajectory.pose)
     blocks = [
-        *pose_blocks(by_group(design, here), clearance(design, here)),
+        *pose_blocks(design, by_group(design, here), clearance(design, here)),
         *region_blocks(along, what="samples of the trajectory"),
     ]
     return _section("clearance", "Clearance", blocks)

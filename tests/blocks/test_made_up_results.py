@@ -90,7 +90,7 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     assert data["least"]["bodies"] == ("a of leg 2", "b")
     assert data["least"]["distance_m"] == 0.004
     assert "poses" not in data
-    table, note = clearance_words.pose_blocks(groups, here)
+    table, note = clearance_words.pose_blocks(APPENDIX_4, groups, here)
     assert cells(table) == [(next(iter(PairGroup)).value, "a of leg 2", "b", "4 mm")]
     assert said([note]) == [("Least clearance: 4 mm, a of leg 2 and b.", "ok")]
     kinds = [clearance_words.verdict(d, ("a", "b"), 0.005).kind for d in (-1e-3, 4e-3, 5e-3)]
@@ -100,7 +100,7 @@ def test_nearest_bodies_of_many_poses_are_counted_by_kind() -> None:
     assert clearance_words.verdict(0.0, ("a", "b"), 0.005).kind == "warn"
     assert (table.words, clearance_words.region_blocks(over)[1].words) == (3, 2)  # type: ignore
     first = distances(0.004, 0)
-    table, note = clearance_words.pose_blocks(dict.fromkeys(PairGroup, first), first)
+    table, note = clearance_words.pose_blocks(APPENDIX_4, dict.fromkeys(PairGroup, first), first)
     assert len(table.rows) == len(PairGroup)  # type: ignore
     assert said([note])[0][0].endswith("a of leg 1 and b.")
     data = clearance_words.clearance_data(APPENDIX_4, 0, {}, first, over, 0.004)

@@ -119,7 +119,7 @@ def _clearance(_: Path) -> Said:
     design, motion = robot()
     groups = clearance_words.by_group(design, np.array(POSE))
     here, over = clearance(design, POSE), clearance(design, motion.pose[::10])
-    blocks = clearance_words.pose_blocks(groups, here) + clearance_words.region_blocks(over)
+    blocks = clearance_words.pose_blocks(design, groups, here) + clearance_words.region_blocks(over)
     return blocks, clearance_words.clearance_data(design, POSE, groups, here, over, 0.0)
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from paminsa_viz.clearance import (
-    NearestPoints,
-    clearance_reason,
-)
+from paminsa_viz.blocks.clearance import THICK_AS_DRAWN
+from paminsa_viz.clearance import NearestPoints, clearance_reason
 from paminsa_viz.explorer.state.clearance import MotionJob, PoseJob
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.model.resizing import is_prototype_sized
 from paminsa_viz.plots.series_builders import MotionClearance
 from paminsa_viz.trajectory import TrajectoryAnalysis
 
@@ -43,5 +42,7 @@ def reason(state: State) -> tuple[float, str]:
     found = nearest(state)
     if found is None:
         return float("nan"), ""
-    required = state.clearance.settings.required
-    return found.distance, clearance_reason(found.distance, found.names, required)
+    why = clearance_reason(found.distance, found.names, state.clearance.settings.required)
+    if why and not is_prototype_sized(state.last_reachable.geometry):
+        why += f"; {THICK_AS_DRAWN}"
+    return found.distance, why

@@ -19,7 +19,7 @@ from paminsa_viz.explorer.state.settings import (
 from paminsa_viz.model import Geometry, InvalidInput
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import COORDINATES
-from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -200,11 +200,10 @@ def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
 
 def _usual(value: float, power: int, geometry: Geometry) -> float:
     """Return a number that is chosen for Appendix 4's lengths for others, to one digit."""
-    size = length_ratio(geometry)
-    if 0.5 < size < 2.0:
+    if is_prototype_sized(geometry):
         return value
     most = LENGTHS[1] if power == 1 else LARGEST_LIMIT
-    return float(f"{min(value * size**power, most):.0e}")
+    return float(f"{min(value * length_ratio(geometry) ** power, most):.0e}")
 
 
 def require_possible(motion: Motion) -> None:

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
 from paminsa_viz.model import Design, Geometry, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import LARGEST
-from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
 from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import (
     Controller,
@@ -86,10 +86,9 @@ def unknown_payload(geometry: Geometry) -> float:
     and not to leave its workspace, it is as the lengths to the fourth.
     """
     default = SimulationSettings().payload_mismatch
-    size = length_ratio(geometry)
-    if 0.5 < size < 2.0:
+    if is_prototype_sized(geometry):
         return default
-    return float(f"{min(default * size**4, LARGEST['kg']):.0e}")
+    return float(f"{min(default * length_ratio(geometry) ** 4, LARGEST['kg']):.0e}")
 
 
 @dataclass(frozen=True)

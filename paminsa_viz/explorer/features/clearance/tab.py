@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.blocks.clearance import verdict
+from paminsa_viz.blocks.clearance import size_blocks, verdict
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core.frame import Frame
@@ -27,7 +27,8 @@ def clearance_html(frame: Frame) -> str:
         text = "No pair of bodies is checked." if known else "Computing …"
         return note("clearance", text, muted=True)
     told = verdict(found.distance, found.names, state.clearance.settings.required)
-    return status("clearance", told.kind, told.text)
+    far_off = (block.text for block in size_blocks(state.last_reachable.geometry))
+    return status("clearance", told.kind, " ".join([told.text, *far_off]))
 
 
 def _switch(group: PairGroup) -> Checkbox:

@@ -30,6 +30,7 @@ from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.plots.series_builders import motion_clearance
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
+from tests.support.samples import prototype_times
 
 PANEL = CLEARANCE
 
@@ -66,6 +67,14 @@ def test_overlap_is_said_in_red(state: State) -> None:
     assert "overlap by" in why
     assert "pv-bad" in status_html(compute(overlapping))
     assert "overlap" in clearance_html(compute(overlapping))
+
+
+def test_of_a_small_robot_is_said_that_bodies_are_those_of_the_prototype() -> None:
+    for size, said in ((0.1, True), (1.5, False)):
+        small = known(initial_state(prototype_times(size)))
+        small = small.updated("clearance.settings", required=0.1)
+        assert ("as thick as the prototype's" in known_clearance.reason(small)[1]) == said
+        assert (f"the lengths are {size:g} times as long" in clearance_html(compute(small))) == said
 
 
 def test_pairs_can_be_left_out(state: State) -> None:
