@@ -11,7 +11,9 @@ window.paminsaFolders = (config) => {
     if (head.closest("button, a")) return;
     head.tabIndex = 0;
     head.setAttribute("role", "button");
-    head.setAttribute("aria-expanded", String(icon.matches(OPEN)));
+    const isOpen = icon.matches(OPEN);
+    head.setAttribute("aria-expanded", String(isOpen));
+    if (!isOpen) window.paminsaMarks.mark(head.parentElement, "shut-folder", icon);
     head.onkeydown = (event) => {
       if (event.key !== "Enter" && event.key !== " ") return;
       event.preventDefault(); // the space would scroll

@@ -9,6 +9,7 @@
  */
 (() => {
   "use strict";
+  const LONG = { "N·m/rad": "long-units", "N·m·s/rad": "longer-units" };
   const LABEL = /^(.*\S)\s*\[(\S+)\]$/;
   /** Name and unit of a label; without a unit, neither. */
   const split = (text) => {
@@ -50,5 +51,6 @@
     typeset(label, name ?? text);
     // Boxes of sliders stand below each other, so that one without a unit leaves its place free.
     set(field, "data-paminsa-unit", unit ?? (field.querySelector("[role=slider]") && " "));
+    if (unit in LONG) window.paminsaMarks.mark(row.parentElement.parentElement, LONG[unit], label);
   });
 })();
