@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -92,6 +93,13 @@ def test_a_shut_folder_has_as_much_room_below_it_as_above(tab: Tab) -> None:
     above, below = until(lambda: tab.page.evaluate(AROUND), "the folder")
     assert 10 < above < 25
     assert abs(below - above) < 6
+
+
+def test_the_page_is_printed_on_one_sheet_as_on_the_screen(tab: Tab) -> None:
+    content = tab.page.pdf(prefer_css_page_size=True)
+    (sheet,) = re.findall(rb"/MediaBox *\[([^\]]*)\]", content)
+    points = [0.75 * tab.page.viewport_size[side] for side in ("width", "height")]
+    np.testing.assert_allclose([float(one) for one in sheet.split()], [0.0, 0.0, *points], atol=1.0)
 
 
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:

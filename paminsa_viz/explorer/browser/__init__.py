@@ -56,6 +56,7 @@ def page_head() -> str:
         asset("context.js"),
         asset("drawing.js", PROGRAMS="|".join(SOFTWARE_RENDERERS), BACKDROPS=_backdrops()),
         asset("inputs.js"),
+        asset("print.js"),
         asset("number_fields.js", KINDS=json.dumps(TYPED_UNITS)),
     )
     return f"<title>{TITLE}</title>" + "".join(f"<script>{script}</script>" for script in scripts)
