@@ -19,7 +19,7 @@ def newcomer(browser: Any, app: Any) -> Any:
     page = context.new_page()
     page.add_init_script(UNDRAWN)
     page.set_default_timeout(60_000)
-    page.goto(app.url)
+    page.goto(f"{app.url}/#")  # as of a link without its code: it is an address too
     page.get_by_test_id("tour").wait_for()
     yield page
     context.close()

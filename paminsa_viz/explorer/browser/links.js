@@ -34,7 +34,7 @@
   };
   let waiting = foreign();
   let removed = window.location.hash;
-  if (removed) write("");
+  if (window.location.href.includes("#")) write(""); // one that nothing follows too
   const take = () => {
     if (removed && !window.location.hash) write(removed);
     removed = "";
