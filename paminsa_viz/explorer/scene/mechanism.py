@@ -155,9 +155,15 @@ def _counterweight_places(configuration: Configuration, weight: Counterweight) -
 
 
 def newtons_per_bar(points: PointMasses, gravity: float, size: float = 1.0) -> float:
-    """Return the weight that 100 mm of an arrow stand for [N], for symbols of a size."""
+    """Return the weight that 100 mm of an arrow stand for [N], for symbols of a size.
+
+    One scale for all robots, but where the heaviest mass would have an arrow that is too long, or
+    all would have the shortest one, as those of grams.
+    """
     heaviest = float((points.mass * gravity).max(initial=0.0))
-    return 0.1 * max(1 / ARROW_PER_NEWTON, heaviest / (size * LONGEST_ARROW))
+    fitted = heaviest / (size * LONGEST_ARROW)
+    tiny = 0.0 < heaviest * ARROW_PER_NEWTON < size * SHORTEST_ARROW
+    return 0.1 * (fitted if tiny else max(1 / ARROW_PER_NEWTON, fitted))
 
 
 def gravity_arrows(points: PointMasses, gravity: float, size: float = 1.0) -> Array:

@@ -9,11 +9,12 @@ import pytest
 
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.mechanism import gravity_arrows, mass_centers
+from paminsa_viz.explorer.scene.sizes import LEAST
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients
 from paminsa_viz.model.parameters import Counterweight
-from tests.support.samples import random_poses
+from tests.support.samples import prototype_times, random_poses
 from tests.support.scene import Scene, solved
 
 
@@ -95,6 +96,15 @@ def test_mass_centers_include_counterweights(scene: Scene) -> None:
     scene.draw(pose, layers=["mass_centers"])
     scene.draw(pose, design, ["mass_centers"])  # more spheres than before: the node is made again
     assert len(scene.nodes["/masses/centers"].batched_positions) == len(loaded.mass)
+
+
+def test_weights_of_grams_are_seen_to_differ() -> None:
+    """All arrows of a robot of a tenth of the size had the shortest length."""
+    points = mass_centers(prototype_times(0.1), solved())
+    lengths = np.ptp(gravity_arrows(points, 9.81, LEAST)[..., 2], axis=1)
+    heaviest = points.mass > 0.1 * points.mass.max()
+    ratio = lengths[heaviest] / points.mass[heaviest]
+    np.testing.assert_allclose(ratio, ratio[0])
 
 
 def test_gravity_arrows_are_proportional_to_the_weight() -> None:
