@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from paminsa_viz.explorer.core.saved_requirements import asked
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.requirements import Placed, VolumeOutcome
@@ -28,8 +30,14 @@ def default_workspace(document: Document) -> Workspace:
     circle = min(float(singular_radius(geometry, angle)) for angle in (*theta, 0.0))
     z = home_pose(geometry)[3]
     width, height = 2 * SHARE * min(circle, 0.5 * reach), 0.4 * reach
-    width, height = (max(float(round(extent, 2)), 0.01) for extent in (width, height))
+    width, height = map(_two_digits, (width, height))
     return Workspace(WorkspaceShape.CYLINDER, (width, width, height), (0.0, 0.0, round(z, 3)))
+
+
+def _two_digits(extent: float) -> float:
+    """Return a length to 10 mm, and to two digits below 100 mm [m]."""
+    extent = max(extent, 1e-4)
+    return round(float(extent), max(2, 1 - math.floor(math.log10(extent))))
 
 
 @kept(4)

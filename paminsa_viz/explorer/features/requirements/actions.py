@@ -36,7 +36,8 @@ TURN = math.radians(30)
 """Half of the range of headings that is suggested [rad]."""
 
 REACH_MARGIN = 0.01
-"""Margin to the limits of reach that is suggested, if the design keeps it [m]."""
+"""Margin to the limits of reach that is suggested, if the design keeps it, at Appendix 4's lengths
+[m]."""
 
 OWN_HALF_HEIGHT = 0.1
 """Half of a requirement's own range of heights at first, at Appendix 4's lengths [m]."""
@@ -234,7 +235,8 @@ def suggest(state: State) -> State:
     )
     bounds = [suggested(state.document, key) for key in SUGGESTED]
     margin = bounds[-1].low or 0.0
-    bounds[-1] = replace(bounds[-1], low=min(margin, REACH_MARGIN))
+    usual = float(f"{REACH_MARGIN * length_ratio(state.document.design.geometry):.2g}")
+    bounds[-1] = replace(bounds[-1], low=min(margin, usual))
     return select(change(state, bounds=tuple(bounds)), 0)
 
 

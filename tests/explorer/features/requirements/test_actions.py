@@ -125,16 +125,19 @@ def test_the_suggested_set_has_headings_and_a_workspace_and_can_be_cleared() -> 
 
 def test_of_a_small_robot_is_asked_what_it_can_do() -> None:
     heights = []
-    for start in (initial_state(prototype_times(0.05)), initial_state()):
-        state = actions.suggest(start)
+    for size, margin in ((0.05, 0.0005), (5.0, 0.05), (1.0, actions.REACH_MARGIN)):
+        state = actions.suggest(initial_state(prototype_times(size)))
+        workspace = state.document.requirements.workspace
+        assert workspace is not None
+        assert workspace.size == pytest.approx(np.multiply(size, (0.25, 0.25, 0.22)), rel=0.05)
+        assert state.document.requirements.bounds[-1].low == margin
         check = current_check(state)
         assert check is not None
         assert check.holds
         own = actions.set_own_range(state, "z", True).document.requirements.bounds[0].z
         low, high = own or (0.0, 0.0)
         heights.append(high - low)
-    assert state.document.requirements.bounds[-1].low == actions.REACH_MARGIN
-    assert heights == pytest.approx([0.01, 0.2])
+    assert heights == pytest.approx([0.01, 1.0, 0.2])
 
 
 def test_shapes_keep_the_size_as_far_as_they_can() -> None:
