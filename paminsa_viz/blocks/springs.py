@@ -12,13 +12,16 @@ GAP = 1e-6
 """Gap of a certificate that is not worth a word [N m]."""
 
 
-def springs_blocks(fit: SpringFit, torque: Array, held: Array) -> list[Table | Note]:
+def springs_blocks(
+    fit: SpringFit, torque: Array, held: Array, decimals: tuple[int, int] = (3, 3)
+) -> list[Table | Note]:
     """Return the springs, torques without and with them, and the certificate.
 
     Args:
         fit: One spring on each leg.
         torque: Static torques at a pose without springs, (4,) [N m, N].
         held: The same with them.
+        decimals: Of torques and of forces.
     """
     (spring,), ((low, high),) = fit.springs, fit.reach
     facts = (
@@ -26,12 +29,25 @@ def springs_blocks(fit: SpringFit, torque: Array, held: Array) -> list[Table | N
         ("Free length", format_value(spring.free_length, "m")),
         ("Length in use", f"{format_value(low, 'm', 3)} to {format_value(high, 'm', 3)}"),
     )
-    largest = (heading("Largest on a coarse map", "N m"), fixed(fit.before, 3), fixed(fit.after, 3))
+    of_torque, of_force = decimals
+    largest = (
+        heading("Largest on a coarse map", "N m"),
+        *(fixed(value, of_torque) for value in (fit.before, fit.after)),
+    )
     here = actuator_rows(
         *(
-            (heading(f"{name} at this pose", unit), fixed(without, 3), fixed(with_them, 3))
-            for name, unit, without, with_them in zip(
-                ACTUATORS, TORQUE_UNITS, torque.tolist(), held.tolist(), strict=True
+            (
+                heading(f"{name} at this pose", unit),
+                fixed(without, places),
+                fixed(with_them, places),
+            )
+            for name, unit, places, without, with_them in zip(
+                ACTUATORS,
+                TORQUE_UNITS,
+                (*[of_torque] * 3, of_force),
+                torque.tolist(),
+                held.tolist(),
+                strict=True,
             )
         )
     )

@@ -13,11 +13,19 @@ LEADING = 3
 """Masses that are named, by their share in the variance."""
 
 
-def mass_tolerance_blocks(found: MassTolerance) -> list[Table | Note]:
-    """Return the spread of M_p2 and of the torques at a pose, and which masses lead."""
+def mass_tolerance_blocks(
+    found: MassTolerance, decimals: tuple[int, int] = (3, 3)
+) -> list[Table | Note]:
+    """Return the spread of M_p2 and of the torques at a pose, and which masses lead.
+
+    Args:
+        found: The spread.
+        decimals: Of torques and of forces.
+    """
 
     def row(name: str, unit: str, color: str, *values: float) -> Row:
-        return Row((heading(name, unit), *(fixed(value, 3) for value in values)), color=color)
+        places = decimals[unit == "N"]
+        return Row((heading(name, unit), *(fixed(value, places) for value in values)), color=color)
 
     worst = abs(found.nominal) + found.worst
     spread = zip(
@@ -38,8 +46,15 @@ def mass_tolerance_blocks(found: MassTolerance) -> list[Table | Note]:
     return [table, *([Note(f"Of the variance: {', '.join(leading)}.")] if leading else [])]
 
 
-def length_tolerance_blocks(found: LengthTolerance) -> list[Table | Note]:
-    """Return the spread of the largest torque, and how many robots cannot take all poses."""
+def length_tolerance_blocks(
+    found: LengthTolerance, decimals: tuple[int, int] = (3, 3)
+) -> list[Table | Note]:
+    """Return the spread of the largest torque, and how many robots cannot take all poses.
+
+    Args:
+        found: The spread.
+        decimals: Of torques and of forces.
+    """
     sizes = (
         ("Nominal lengths", found.nominal),
         (f"Half of {counted(found.peaks.size, 'robot')} below", found.quantile(0.5)),
@@ -48,7 +63,7 @@ def length_tolerance_blocks(found: LengthTolerance) -> list[Table | Note]:
     )
     table = Table(
         (heading("Largest torque on a coarse map", "N m"), ""),
-        rows(*((name, fixed(value, 3)) for name, value in sizes)),
+        rows(*((name, fixed(value, decimals[0])) for name, value in sizes)),
     )
     lost = int((found.lost > 0).sum())
     return [table, *([Note(f"{lost} of the robots cannot take all of the poses.")] if lost else [])]

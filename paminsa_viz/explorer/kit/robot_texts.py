@@ -30,6 +30,12 @@ def decimals(geometry: Geometry) -> tuple[int, int]:
     return max(3 - round(4 * size), 0), max(2 - round(3 * size), 0)
 
 
+def table_decimals(geometry: Geometry) -> tuple[int, int]:
+    """Return with how many decimals tables have torques [N m] and forces [N], see `decimals`."""
+    of_torque, of_force = decimals(geometry)
+    return of_torque, of_force + 1
+
+
 def gauge_html(frame: Frame) -> str:
     """Return M_p2 as a number and as a mark on a line from Appendix 4's value through zero."""
     reference = frame.state.document.reference
@@ -40,7 +46,7 @@ def gauge_html(frame: Frame) -> str:
     span = 1.25 * max(map(abs, values.values()))
     return render(
         "balance_gauge.j2", balance=frame.balance, default=values["default"],
-        pinned=values.get("reference"), digits=decimals(frame.configuration.geometry)[1] + 1,
+        pinned=values.get("reference"), digits=table_decimals(frame.configuration.geometry)[1],
         ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
     )  # fmt: skip
 

@@ -8,6 +8,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
 from paminsa_viz.explorer.kit.inputs import Pair
+from paminsa_viz.explorer.kit.robot_texts import table_decimals
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.settings import MILLIMETERS
@@ -29,7 +30,9 @@ def springs_html(frame: Frame) -> str:
         without = blocks_html("springs", BESIDE)
         return springs.FIT.text(state, "springs", "Fitting …", "No springs") or without
     return blocks_html(
-        "springs", *springs_blocks(fit, frame.torques, held), BESIDE,
+        "springs",
+        *springs_blocks(fit, frame.torques, held, table_decimals(frame.configuration.geometry)),
+        BESIDE,
         stale=springs.FIT.stale_text(state),
     )  # fmt: skip
 

@@ -6,6 +6,7 @@ from paminsa_viz.blocks.tolerances import length_tolerance_blocks, mass_toleranc
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.tolerances.actions import CELLS, DRAW, ROBOTS, of_masses
 from paminsa_viz.explorer.kit.entries import Answer, Button, Entry, Html
+from paminsa_viz.explorer.kit.robot_texts import table_decimals
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html
 from paminsa_viz.explorer.state.tolerances import ToleranceSettings
@@ -17,7 +18,8 @@ def masses_html(frame: Frame) -> str:
     state = frame.state
     mass = state.tolerances.settings.mass
     found = of_masses(frame.shown_design, state.last_reachable.pose, mass)
-    return blocks_html("tolerance-masses", *mass_tolerance_blocks(found))
+    places = table_decimals(frame.shown_design.geometry)
+    return blocks_html("tolerance-masses", *mass_tolerance_blocks(found, places))
 
 
 def lengths_html(frame: Frame) -> str:
@@ -25,9 +27,8 @@ def lengths_html(frame: Frame) -> str:
     state, found = frame.state, DRAW.result(frame.state)
     if found is None or DRAW.runs(state):
         return DRAW.text(state, "tolerance", "Computing …", "No sample") or ""
-    return blocks_html(
-        "tolerance", *length_tolerance_blocks(found), bold=[1], stale=DRAW.stale_text(state)
-    )
+    blocks = length_tolerance_blocks(found, table_decimals(frame.shown_design.geometry))
+    return blocks_html("tolerance", *blocks, bold=[1], stale=DRAW.stale_text(state))
 
 
 _setting = SettingInputs("tolerance", "tolerances.settings", ToleranceSettings)

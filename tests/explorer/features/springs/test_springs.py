@@ -17,6 +17,7 @@ from paminsa_viz.explorer.state.springs import SpringsFrom
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance, static_torques
 from tests.support.desk import Desk
+from tests.support.samples import prototype_times
 from tests.support.tasks import finished
 
 PANEL = SPRINGS
@@ -65,6 +66,9 @@ def test_text_compares_torques_with_and_without_springs(off_center: State) -> No
     assert "Changed since: “Height”." in springs_html(compute(higher))
     assert "Changed since: θ." in springs_html(compute(actions.move(state, theta=0.1)))
     assert "91 N/m" not in springs_html(compute(springs.FIT.forget(state)))
+    small = actions.move(initial_state(prototype_times(0.1)), x=0.008, y=0.005, theta=np.pi / 3)
+    small = springs_html(compute(fitted(small)))
+    assert "<td>0.0004593</td>" in small  # three decimals at Appendix 4's lengths
 
 
 @pytest.mark.parametrize("start", SpringsFrom)

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.features.tolerances.actions import DRAW, draw_robots
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from tests.support.desk import Desk
+from tests.support.samples import prototype_times
 from tests.support.tasks import delivered
 
 PANEL = panel.TOLERANCES
@@ -34,6 +35,9 @@ def test_balanced_robot_still_has_torques_within_tolerances(state: State) -> Non
         assert f"{worst:.3f}" in text
     exact = balanced.updated("tolerances.settings", mass=0.0)
     assert panel.masses_html(compute(exact)).count("<td>0.000</td>") >= 4  # no spread
+    small = panel.masses_html(compute(initial_state(prototype_times(0.1))))
+    assert "<td>0.000</td>" not in small
+    assert "<td>0.009100</td>" in small  # M_p2
 
 
 def test_lengths_are_drawn_on_request_and_go_stale(state: State) -> None:
