@@ -12,6 +12,7 @@ from paminsa_viz.explorer.state.layers import with_layers
 from paminsa_viz.explorer.state.motion import sized
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.simulation import unknown_payload
+from paminsa_viz.explorer.state.springs import sized_springs
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS, name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
@@ -40,6 +41,9 @@ def with_document(state: State, document: Document) -> State:
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)
     changed = replace(state, document=document, last_reachable=last_reachable)
+    springs = sized_springs(changed.springs.settings, was, now)
+    if springs != changed.springs.settings:
+        changed = changed.updated("springs", settings=springs)
     usual, payload = unknown_payload(was), unknown_payload(now)
     if payload == usual or state.simulation.settings.payload_mismatch != usual:
         return changed  # or a person has chosen one

@@ -13,13 +13,13 @@ from paminsa_viz.explorer.state.settings import (
     MILLIMETERS,
     Settings,
     changed_data,
+    followed,
     setting,
     setting_fields,
 )
 from paminsa_viz.model import Geometry, InvalidInput
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import COORDINATES
-from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -163,9 +163,10 @@ class Motion:
         return self.cross and self.kind.can_cross
 
 
-_POWERS = {"height": 1, "radius": 1, "torque": 4, "force": 3}
-"""Powers of the lengths that numbers follow at first; torques and forces of robots of one density,
-at rest and at accelerations beside gravity."""
+_FOLLOWING = {"height": (1, LENGTHS), "radius": (1, LENGTHS)}
+_LIMITS_FOLLOWING = {"torque": (4, (1e-30, LARGEST_LIMIT)), "force": (3, (1e-30, LARGEST_LIMIT))}
+"""Powers of the lengths: torques and forces of robots of one density, at rest and at accelerations
+beside gravity."""
 
 
 def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
@@ -179,31 +180,9 @@ def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
         was: Lengths that it was for.
         now: Lengths that it is for.
     """
-    if was == now:
-        return motion
-
-    def followed(owner: Motion | MotionLimits, first: Motion | MotionLimits) -> dict[str, float]:
-        names = [name for name in _POWERS if hasattr(owner, name)]
-        usual = {
-            name: [_usual(getattr(first, name), _POWERS[name], one) for one in (was, now)]
-            for name in names
-        }
-        return {
-            name: after
-            for name, (before, after) in usual.items()
-            if getattr(owner, name) == before != after
-        }
-
-    limits = replace(motion.limits, **followed(motion.limits, DEFAULT_LIMITS))
-    return replace(motion, limits=limits, **followed(motion, Motion()))
-
-
-def _usual(value: float, power: int, geometry: Geometry) -> float:
-    """Return a number that is chosen for Appendix 4's lengths for others, to one digit."""
-    if is_prototype_sized(geometry):
-        return value
-    most = LENGTHS[1] if power == 1 else LARGEST_LIMIT
-    return float(f"{min(value * length_ratio(geometry) ** power, most):.0e}")
+    limits = followed(motion.limits, DEFAULT_LIMITS, _LIMITS_FOLLOWING, was, now)
+    found = followed(motion, Motion(), _FOLLOWING, was, now)
+    return found if limits == found.limits else replace(found, limits=limits)
 
 
 def require_possible(motion: Motion) -> None:

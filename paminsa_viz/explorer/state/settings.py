@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import msgspec
 
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import Geometry, InvalidInput
+from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
 from paminsa_viz.units import DisplayUnit, display_unit
 
 Range = tuple[float | None, float | None]
@@ -96,6 +97,46 @@ def _ends(one: Setting) -> str:
     if low is None:
         return f"at most {high}"
     return f"at least {low}" if high is None else f"{low} to {high}"
+
+
+def at_first(value: float, power: int, geometry: Geometry, ends: tuple[float, float]) -> float:
+    """Return what a number begins with on a robot, to one digit, from its value for the prototype.
+
+    Args:
+        value: The value at about Appendix 4's lengths.
+        power: Power of the lengths that it follows.
+        geometry: Lengths of the robot.
+        ends: The smallest and the largest that are possible.
+    """
+    if is_prototype_sized(geometry):
+        return value
+    grown = value * length_ratio(geometry) ** power
+    return min(max(float(f"{grown:.0e}"), ends[0]), ends[1])
+
+
+def followed(
+    owner: Any,
+    first: Any,
+    powers: Mapping[str, tuple[int, tuple[float, float]]],
+    was: Geometry,
+    now: Geometry,
+) -> Any:
+    """Return an owner of numbers with those that nobody has chosen as another robot has them.
+
+    Args:
+        owner: Attributes, some of which follow the lengths.
+        first: The same for the prototype.
+        powers: Powers of the lengths, and ends of what is possible, by attribute.
+        was: Lengths of the robot that it was for.
+        now: Lengths of the robot that it is for.
+    """
+    changes = {}
+    for name, (power, ends) in powers.items():
+        value = getattr(first, name)
+        before, after = (at_first(value, power, one, ends) for one in (was, now))
+        if getattr(owner, name) == before != after:
+            changes[name] = after
+    return replace(owner, **changes) if changes else owner
 
 
 def changed_data(value: Any, start: Any) -> dict[str, Any]:

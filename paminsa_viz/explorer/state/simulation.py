@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
-from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
+from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, at_first, setting
 from paminsa_viz.model import Design, Geometry, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import LARGEST
-from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
 from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import (
     Controller,
@@ -85,10 +84,7 @@ def unknown_payload(geometry: Geometry) -> float:
     It sinks in proportion to itself over the robot's mass: to be seen in a robot of other lengths,
     and not to leave its workspace, it is as the lengths to the fourth.
     """
-    default = SimulationSettings().payload_mismatch
-    if is_prototype_sized(geometry):
-        return default
-    return float(f"{min(default * length_ratio(geometry) ** 4, LARGEST['kg']):.0e}")
+    return at_first(SimulationSettings().payload_mismatch, 4, geometry, (0.0, LARGEST["kg"]))
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,14 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.plane import PlaneJob
-from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, followed, setting
+from paminsa_viz.model import Geometry, InvalidInput
 
 LENGTHS = (0.0, 1.0)
 """Shortest and longest free length [m]."""
+
+HEIGHTS = (1e-4, 1.0)
+"""Lowest and highest mast or post [m]."""
 
 
 class SpringsFrom(Enum):
@@ -38,7 +41,7 @@ class SpringSettings(Settings):
         "free length of zero its spring balances exactly",
     )  # fmt: skip
     height: float = setting(
-        0.1, "Height [mm]", "Of the mast or post, above the guides", range=(0.005, 1.0),
+        0.1, "Height [mm]", "Of the mast or post, above the guides", range=HEIGHTS,
         unit=MILLIMETERS,
     )  # fmt: skip
     radius: float = setting(
@@ -61,6 +64,12 @@ class SpringSettings(Settings):
         return SpringPlace(
             first, at_joint(9), min_free_length=self.least, max_free_length=self.most
         )
+
+
+def sized_springs(settings: SpringSettings, was: Geometry, now: Geometry) -> SpringSettings:
+    """Return places that follow the robot's lengths, but for those that a person has chosen."""
+    powers = {"height": (1, HEIGHTS), "radius": (1, LENGTHS)}
+    return followed(settings, SpringSettings(), powers, was, now)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.pins import PinsState
 from paminsa_viz.explorer.state.requirements import RequirementsState
 from paminsa_viz.explorer.state.simulation import Answer, SimulationState, unknown_payload
-from paminsa_viz.explorer.state.springs import SpringsState
+from paminsa_viz.explorer.state.springs import SpringSettings, SpringsState, sized_springs
 from paminsa_viz.explorer.state.stiffness import StiffnessState
 from paminsa_viz.explorer.state.synthesis import SynthesisState
 from paminsa_viz.explorer.state.tolerances import TolerancesState
@@ -147,5 +147,7 @@ def initial_state(design: Design = APPENDIX_4) -> State:
     motion = sized(Motion(), APPENDIX_4.geometry, design.geometry)
     document = Document(design, pose, motion=motion)
     state = State(document, LastReachable(design.geometry, pose))
+    springs = sized_springs(SpringSettings(), APPENDIX_4.geometry, design.geometry)
+    state = state.updated("springs", settings=springs)
     payload = unknown_payload(design.geometry)
     return state.updated("simulation.settings", payload_mismatch=payload)
