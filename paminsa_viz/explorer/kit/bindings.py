@@ -36,7 +36,7 @@ from paminsa_viz.explorer.kit.entries import (
     Worker,
     given,
 )
-from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Pair, Slider, decimals
+from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Number, Pair, Slider, decimals
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -194,6 +194,9 @@ class Panel:
                 binding.draw(frame.state, dragging)
 
         self._draws.append(draw)
+        if isinstance(entry, Number) and callable(step := entry.step):
+            self._follow(handle, "step", step)
+            self._follow(handle, "precision", lambda state: decimals(step(state)))
         if isinstance(entry, Pair):
             self._follow(handle, "step", entry.step)
             self._follow(handle, "precision", entry.precision)

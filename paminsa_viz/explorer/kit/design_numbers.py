@@ -7,6 +7,7 @@ own is one entry below.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -154,14 +155,19 @@ _POWERS = {
 """Powers of the lengths that numbers of robots of one shape and one density grow with."""
 
 
-def shrunk(parameter: Parameter, geometry: Geometry) -> float:
-    """Return what ends and step of a slider are multiplied by: a power of ten, 1 for most robots.
+def shrunk(value: float, unit: str, geometry: Geometry) -> float:
+    """Return an end or a step of an input as a small robot needs it, by powers of ten.
 
-    Those of a micro-manipulator would all be in the first pixel, and less than a step. For a large
-    robot the slider grows, see `fitted_range`.
+    The numbers of a micro-manipulator would all be in a slider's first pixel, and less than a step.
+    For a large robot sliders grow, see `fitted_range`.
     """
-    decades = min(round(math.log10(length_ratio(geometry))), 0)
-    return 10.0 ** (decades * _POWERS.get(parameter.unit, 0))
+    decades = min(round(math.log10(length_ratio(geometry))), 0) * _POWERS.get(unit, 0)
+    return float(f"{value * 10.0**decades:.6g}") if decades else value
+
+
+def of_size(step: float, unit: str) -> Callable[[State], float]:
+    """Return the step of an input of an SI unit, which is smaller for a small robot."""
+    return lambda state: shrunk(step, unit, state.document.design.geometry)
 
 
 def base_range(
@@ -176,9 +182,7 @@ def base_range(
         geometry: Lengths of the robot, beside which the ends are.
     """
     ends = _prototype_range(parameter)
-    if (times := shrunk(parameter, geometry)) == 1.0:
-        return ends
-    low, high, step = (float(f"{times * value:.6g}") for value in ends)
+    low, high, step = (shrunk(value, parameter.unit, geometry) for value in ends)
     return low, high, step
 
 

@@ -88,6 +88,5 @@ class SettingInputs:
         if isinstance(default, int):
             apply = properties["apply"]
             properties["apply"] = lambda state, value: apply(state, round(value))
-        return Number(
-            key, one.label, range=one.range, step=one.step, unit=one.unit, **properties
-        )  # fmt: skip
+        properties = {"step": one.step, **properties}
+        return Number(key, one.label, range=one.range, unit=one.unit, **properties)

@@ -10,6 +10,7 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion.point_entries import POINTS
+from paminsa_viz.explorer.kit.design_numbers import of_size
 from paminsa_viz.explorer.kit.entries import Condition, Entry, Folder, Html, Upload
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, Number, attribute
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
@@ -98,7 +99,8 @@ def _not_crossing(state: State) -> bool:
 def _limit(name: str, unit: str, step: float, visible: Condition | None = None) -> Number:
     """Return the input of a limit of the shortest duration; 0 is none."""
     return Number(
-        f"motion.limits.{name}", LIMIT_LABELS[name], unit=display_unit(unit), step=step,
+        f"motion.limits.{name}", LIMIT_LABELS[name], unit=display_unit(unit),
+        step=of_size(step, unit),
         range=(0.0, LARGEST_LIMIT), visible=visible,
         read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
         apply=lambda state, value: motions.limit(state, name, value),

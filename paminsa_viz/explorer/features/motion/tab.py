@@ -19,6 +19,7 @@ from paminsa_viz.explorer.features.motion.description import DESCRIPTION, LIMIT_
 from paminsa_viz.explorer.features.motion.layers import path_scale
 from paminsa_viz.explorer.features.motion.simulated import SimulationCharts
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
+from paminsa_viz.explorer.kit.design_numbers import of_size
 from paminsa_viz.explorer.kit.entries import (
     Answer,
     Button,
@@ -164,7 +165,8 @@ SIMULATING: tuple[Entry, ...] = (
     _setting("control"),
     _setting("bandwidth", visible=_has_feedback),
     _setting("damping", visible=_has_feedback),
-    *map(_setting, ("payload_mismatch", "initial_error", "knows_friction")),
+    _setting("payload_mismatch", step=of_size(0.1, "kg")),
+    *map(_setting, ("initial_error", "knows_friction")),
     Button(
         "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT,
         effect=simulate, disabled=SIMULATION.runs,

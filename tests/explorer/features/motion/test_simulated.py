@@ -19,7 +19,7 @@ from paminsa_viz.explorer.core.simulated import wanted_pose
 from paminsa_viz.explorer.features.motion import simulation as simulations
 from paminsa_viz.explorer.features.motion.layers import WantedPose
 from paminsa_viz.explorer.features.motion.plots import caption_html
-from paminsa_viz.explorer.features.motion.tab import SIMULATING, simulation_html
+from paminsa_viz.explorer.features.motion.tab import MOTION, SIMULATING, simulation_html
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.ghost import OPACITY, translucent
@@ -31,6 +31,7 @@ from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.trajectory import Simulation
 from paminsa_viz.trajectory.simulation import ControlMode
+from tests.support.desk import desk_with
 from tests.support.raw_page import RawPage
 from tests.support.samples import prototype_times
 from tests.support.tasks import finished
@@ -191,3 +192,17 @@ def test_translucent_body_has_the_same_shape(fine: bool) -> None:
     count = clear.count(b'"alphaMode":"BLEND"')
     assert count == clear.count(b'"baseColorFactor"') > 0
     assert clear.count(f",{OPACITY}]".encode()) == count
+
+
+def test_inputs_show_the_digits_of_a_robot_of_grams(server: viser.ViserServer) -> None:
+    """They showed 0.001 kg in place of 0.0005, and limits of torque as zero."""
+    entries = [*SIMULATING, *MOTION]
+    with desk_with(server, entries) as desk:
+        handles = [desk.handle(f"motion.limits.{name}") for name in ("torque", "force")]
+        handles.append(desk.handle("simulation.payload_mismatch"))
+        usual = [(handle.step, handle.precision) for handle in handles]
+        assert usual == [(0.5, 3), (10.0, 3), (0.1, 3)]
+        desk.dispatch(lambda state: actions.with_design(state, prototype_times(0.1)))
+        small = [(5e-5, 7), (0.01, 4), (1e-4, 6)]
+        desk.until(lambda: [(handle.step, handle.precision) for handle in handles] == small)
+        assert [handle.value for handle in handles] == [6e-4, 0.4, 5e-4]
