@@ -143,7 +143,12 @@ def length_ratio(geometry: Geometry) -> float:
 
 def is_prototype_sized(geometry: Geometry) -> bool:
     """Whether lengths are so near Appendix 4's that what is chosen for its robot holds as well."""
-    return 0.5 < length_ratio(geometry) < 2.0
+    return is_comparable(length_ratio(geometry))
+
+
+def is_comparable(ratio: float) -> bool:
+    """Whether a length is so near Appendix 4's that what is chosen for its robot holds as well."""
+    return 0.5 < ratio < 2.0
 
 
 def _span(geometry: Geometry) -> float:

@@ -20,6 +20,7 @@ from paminsa_viz.explorer.state.settings import (
 from paminsa_viz.model import Geometry, InvalidInput
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import COORDINATES
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -163,7 +164,6 @@ class Motion:
         return self.cross and self.kind.can_cross
 
 
-_FOLLOWING = {"height": (1, LENGTHS), "radius": (1, LENGTHS)}
 _LIMITS_FOLLOWING = {"torque": (4, (1e-30, LARGEST_LIMIT)), "force": (3, (1e-30, LARGEST_LIMIT))}
 """Powers of the lengths: torques and forces of robots of one density, at rest and at accelerations
 beside gravity."""
@@ -173,15 +173,19 @@ def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
     """Return a motion whose height, radius and limits of actuators follow the robot's lengths.
 
     Those that a person has chosen stay. What `Motion` has at first would take a small robot out of
-    its workspace, and a large one cannot even be held within it.
+    its workspace, and a large one cannot even be held within it. A circle has room beside R_b, as
+    that of the presets has.
 
     Args:
         motion: The motion.
         was: Lengths that it was for.
         now: Lengths that it is for.
     """
-    limits = followed(motion.limits, DEFAULT_LIMITS, _LIMITS_FOLLOWING, was, now)
-    found = followed(motion, Motion(), _FOLLOWING, was, now)
+    first, ratios = Motion(), (length_ratio(was), length_ratio(now))
+    across = [one.base_radius / Geometry().base_radius for one in (was, now)]
+    found = followed(motion, first, {"height": (1, LENGTHS)}, *ratios)
+    found = followed(found, first, {"radius": (1, LENGTHS)}, *across)
+    limits = followed(motion.limits, first.limits, _LIMITS_FOLLOWING, *ratios)
     return found if limits == found.limits else replace(found, limits=limits)
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import msgspec
 
-from paminsa_viz.model import Geometry, InvalidInput
-from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.resizing import is_comparable
 from paminsa_viz.units import DisplayUnit, display_unit
 
 Range = tuple[float | None, float | None]
@@ -99,27 +99,26 @@ def _ends(one: Setting) -> str:
     return f"at least {low}" if high is None else f"{low} to {high}"
 
 
-def at_first(value: float, power: int, geometry: Geometry, ends: tuple[float, float]) -> float:
+def at_first(value: float, power: int, ratio: float, ends: tuple[float, float]) -> float:
     """Return what a number begins with on a robot, to one digit, from its value for the prototype.
 
     Args:
         value: The value at about Appendix 4's lengths.
         power: Power of the lengths that it follows.
-        geometry: Lengths of the robot.
+        ratio: A length of the robot over Appendix 4's.
         ends: The smallest and the largest that are possible.
     """
-    if is_prototype_sized(geometry):
+    if is_comparable(ratio):
         return value
-    grown = value * length_ratio(geometry) ** power
-    return min(max(float(f"{grown:.0e}"), ends[0]), ends[1])
+    return min(max(float(f"{value * ratio**power:.0e}"), ends[0]), ends[1])
 
 
 def followed(
     owner: Any,
     first: Any,
     powers: Mapping[str, tuple[int, tuple[float, float]]],
-    was: Geometry,
-    now: Geometry,
+    was: float,
+    now: float,
 ) -> Any:
     """Return an owner of numbers with those that nobody has chosen as another robot has them.
 
@@ -127,8 +126,8 @@ def followed(
         owner: Attributes, some of which follow the lengths.
         first: The same for the prototype.
         powers: Powers of the lengths, and ends of what is possible, by attribute.
-        was: Lengths of the robot that it was for.
-        now: Lengths of the robot that it is for.
+        was: A length of the robot that it was for, over Appendix 4's.
+        now: The same of the robot that it is for.
     """
     changes = {}
     for name, (power, ends) in powers.items():

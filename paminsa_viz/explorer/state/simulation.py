@@ -18,6 +18,7 @@ from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, at_first,
 from paminsa_viz.model import Design, Geometry, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import LARGEST
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import (
     Controller,
@@ -84,7 +85,9 @@ def unknown_payload(geometry: Geometry) -> float:
     It sinks in proportion to itself over the robot's mass: to be seen in a robot of other lengths,
     and not to leave its workspace, it is as the lengths to the fourth.
     """
-    return at_first(SimulationSettings().payload_mismatch, 4, geometry, (0.0, LARGEST["kg"]))
+    return at_first(
+        SimulationSettings().payload_mismatch, 4, length_ratio(geometry), (0.0, LARGEST["kg"])
+    )
 
 
 @dataclass(frozen=True)

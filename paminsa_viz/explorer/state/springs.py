@@ -16,6 +16,7 @@ from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.plane import PlaneJob
 from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, followed, setting
 from paminsa_viz.model import Geometry, InvalidInput
+from paminsa_viz.model.resizing import length_ratio
 
 LENGTHS = (0.0, 1.0)
 """Shortest and longest free length [m]."""
@@ -69,7 +70,7 @@ class SpringSettings(Settings):
 def sized_springs(settings: SpringSettings, was: Geometry, now: Geometry) -> SpringSettings:
     """Return places that follow the robot's lengths, but for those that a person has chosen."""
     powers = {"height": (1, HEIGHTS), "radius": (1, LENGTHS)}
-    return followed(settings, SpringSettings(), powers, was, now)
+    return followed(settings, SpringSettings(), powers, length_ratio(was), length_ratio(now))
 
 
 @dataclass(frozen=True)

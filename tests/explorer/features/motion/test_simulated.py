@@ -71,6 +71,9 @@ def test_motions_of_robots_of_other_lengths_can_be_run(size: float) -> None:
         assert checked(plan.trajectory, design.geometry).possible
     springs = opened.springs.settings
     assert (springs.height, springs.radius) == pytest.approx((0.1 * size, 0.05 * size), rel=0.3)
+    long_bars = {"geometry.crank_length": 1.3, "geometry.coupler_length": 1.6}
+    long = initial_state(APPENDIX_4.vary(long_bars)).document.motion
+    assert (long.radius, long.height) == (Motion().radius, 0.3)
     chosen = motions.limit(motions.change(opened, radius=0.0123), "torque", 4.0)
     back = actions.with_design(chosen, APPENDIX_4).document.motion
     assert (back.radius, back.height, back.limits.torque) == (0.0123, Motion().height, 4.0)
