@@ -141,7 +141,7 @@ def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
     which = np.argmin(flat, axis=-1)
     worst = np.take_along_axis(flat, which[..., None], axis=-1)[..., 0]
     status, leg = decode(np.asarray(worst), which)
-    return Reach(status, leg, np.where(leg >= 0, -worst, 0.0), margins)
+    return Reach(status, leg, np.where(leg >= 0, 0.0 - worst, 0.0), margins)
 
 
 def decode(worst: Array, which: ArrayLike) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:

@@ -322,6 +322,8 @@ def test_an_explanation_names_the_leg_and_by_how_much_or_neither() -> None:
         assert text.endswith(f" (leg {leg + 1}, by {1e3 * found.excess[leg]:.2f} mm)")
     assert found.explanation((3,)) == Limit.OK.explanation
     assert found.explanation((4,)) == Limit.NOT_FINITE.explanation
+    on_axis = replace(APPENDIX_4.geometry, platform_radius=APPENDIX_4.geometry.base_radius)
+    assert check_reach(on_axis, pose[3]).explanation().endswith(" (leg 1, by 0.00 mm)")
 
 
 def test_torques_have_no_number_where_any_one_leg_is_out_of_reach() -> None:
