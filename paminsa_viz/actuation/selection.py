@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -151,7 +152,8 @@ class Selection:
             return f"{text}; no slower motion makes one fit"
         if factor == 1:  # each actuator has one, but not the same for all
             return f"{text}; M1, M2 and M3 have feasible drives, but none in common"
-        return f"{text}; motions {factor:.3f} times as long make one fit"
+        enough = math.ceil(1e3 * factor) / 1e3  # rounded down it would be too little
+        return f"{text}; motions {enough:.3f} times as long make one fit"
 
 
 @kinds_checked
