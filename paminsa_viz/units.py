@@ -52,6 +52,9 @@ TYPED_UNITS: tuple[dict[str, float], ...] = (
 """Units that may be typed where another of the same kind is shown, with the factor to the SI unit:
 on the page in number boxes and in the command palette."""
 
+SAME = 1e-9
+"""Share of a number that counts as rounding where it is rounded to one side."""
+
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # A difference has its Δ before the letter, and a square its ² after the index.
@@ -107,6 +110,20 @@ def fixed(value: float, decimals: int) -> str:
     if float(text) == 0:
         text = text.lstrip("-")
     return text.replace("-", "−")
+
+
+def rounded_to_side(value: float, digits: int, *, up: bool) -> float:
+    """Return a number of few significant digits that is no smaller, or no larger, than a value.
+
+    It is what a bound would have to be: rounded to the nearest, half of all would not do. A
+    difference of `SAME` of the value is none.
+    """
+    nearest = float(f"{value:.{digits}g}")
+    lacks = value - nearest if up else nearest - value
+    if not lacks > SAME * abs(value):
+        return nearest
+    step = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)
+    return float(f"{nearest + (step if up else -step):.{digits}g}")
 
 
 def power_of_ten(exponent: int) -> str:

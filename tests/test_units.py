@@ -19,6 +19,7 @@ from paminsa_viz.units import (
     number,
     percent_change,
     power_of_ten,
+    rounded_to_side,
     symbol_html,
     symbol_text,
     symbols_html,
@@ -31,6 +32,17 @@ def test_counts_have_commas_and_measured_numbers_have_none() -> None:
     assert counted(47889, "pose") == "47,889 poses"
     assert (counted(999, "row"), counted(1000, "row")) == ("999 rows", "1,000 rows")
     assert number(47889.0, 5) == "47889"
+
+
+@given(st.floats(-1e9, 1e9, allow_subnormal=False), st.integers(2, 8), st.booleans())
+def test_what_is_rounded_to_a_side_is_not_on_the_other_and_has_few_digits(
+    value: float, digits: int, up: bool
+) -> None:
+    rounded = rounded_to_side(value, digits, up=up)
+    assert float(f"{rounded:.{digits}g}") == rounded
+    away = (rounded - value) * (1 if up else -1)
+    assert -1e-9 * abs(value) <= away <= 1.001 * 10.0 ** (1 - digits) * abs(value)
+    assert rounded_to_side(3.0630000000000002, 4, up=True) == 3.063  # rounding alone
 
 
 def test_one_is_no_plural() -> None:

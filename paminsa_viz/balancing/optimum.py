@@ -17,7 +17,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import BODIES
-from paminsa_viz.units import format_ascii
+from paminsa_viz.units import format_ascii, rounded_to_side
 
 WIDER = 100.0
 """How far bounds are widened to see which would have to move, at least [kg]."""
@@ -119,9 +119,8 @@ class Shortfall:
 
     def text(self, name: str) -> str:
         """Return what is required and what is possible, with a name for the limit's label."""
-        limit, attainable = (
-            format_ascii(value, self.unit, 6) for value in (self.limit, self.attainable)
-        )
+        limit = format_ascii(self.limit, self.unit, 6)
+        attainable = format_ascii(rounded_to_side(self.attainable, 6, up=True), self.unit, 6)
         return f"{name} of at most {limit} is required; the least possible is {attainable}"
 
 
@@ -144,7 +143,8 @@ class Relaxation:
     def text(self, name: str) -> str:
         """Return how to move the bound, with a name for its mass."""
         how = "raise the upper" if self.side == "high" else "lower the lower"
-        return f"{how} bound of {name} from {self.bound:.6g} kg to {self.needed:.6g} kg"
+        needed = rounded_to_side(self.needed, 6, up=self.side == "high")
+        return f"{how} bound of {name} from {self.bound:.6g} kg to {needed:.6g} kg"
 
 
 class InfeasibleBounds(PaminsaError):

@@ -36,6 +36,7 @@ from paminsa_viz.units import (
     format_value,
     interval_text,
     number,
+    rounded_to_side,
 )
 
 TIME_LIMIT = 10.0
@@ -246,10 +247,10 @@ def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) 
     if item.relaxed is None or item.by is None:
         return Note(f"{text(bound)}: no other bound of it helps.")
     ends = [
-        f"{name} {_rounded(new, bound.entry.display, direction)}"
-        for name, old, new, direction in (
-            ("at least", bound.low, item.relaxed.low, math.floor),
-            ("at most", bound.high, item.relaxed.high, math.ceil),
+        f"{name} {_rounded(new, bound.entry.display, up=name == 'at most')}"
+        for name, old, new in (
+            ("at least", bound.low, item.relaxed.low),
+            ("at most", bound.high, item.relaxed.high),
         )
         if new is not None and new != old
     ]
@@ -257,11 +258,9 @@ def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) 
     return Note(f"{text(bound)}: would do with {' and '.join(ends)} (moved by {by}).")
 
 
-def _rounded(value: float, unit: DisplayUnit, direction: Callable[[float], int]) -> str:
+def _rounded(value: float, unit: DisplayUnit, *, up: bool) -> str:
     """Return a bound with four digits, rounded to the side on which it still helps."""
-    shown = value * unit.factor
-    step = 10.0 ** (math.floor(math.log10(abs(shown))) - 3) if shown else 1.0
-    return f"{number(direction(shown / step) * step)} {unit.text}".rstrip()
+    return f"{number(rounded_to_side(value * unit.factor, 4, up=up))} {unit.text}".rstrip()
 
 
 def _largest(design: Design, requirements: Requirements) -> list[Block]:

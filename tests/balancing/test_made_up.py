@@ -125,8 +125,9 @@ def test_bounds_count_as_reached_within_a_millionth_of_their_range() -> None:
 
 
 def test_what_does_not_fit_is_said_with_what_would() -> None:
-    short = Shortfall("peak", "N m", 1.23456789, 2.3456789)
-    moves = (Relaxation("a", "high", 1.0, 1.23456789), Relaxation("b", "low", 0.5, 0.25))
+    """Numbers to act on are rounded to the side on which they are enough."""
+    short = Shortfall("peak", "N m", 1.23456789, 2.34567123)
+    moves = (Relaxation("a", "high", 1.0, 1.23456123), Relaxation("b", "low", 0.5, 0.250000789))
     assert InfeasibleBounds((short,), moves).sentences(str.upper) == [
         "PEAK of at most 1.23457 N·m is required; the least possible is 2.34568 N·m",
         "raise the upper bound of A from 1 kg to 1.23457 kg",

@@ -142,14 +142,14 @@ def test_what_would_have_to_give_way() -> None:
 @pytest.mark.parametrize("value", [0.0, 1.0, -1.0, 123456.0, -0.00123456, 9.9999])
 def test_a_relaxed_bound_is_rounded_to_the_side_on_which_it_helps(value: float) -> None:
     unit = Requirement("max_torque", high=1.0).entry.display
-    for direction, side in ((math.floor, -1.0), (math.ceil, 1.0)):
-        text = words._rounded(value, unit, direction).removesuffix(" N·m").replace("−", "-")
+    for up, side in ((False, -1.0), (True, 1.0)):
+        text = words._rounded(value, unit, up=up).removesuffix(" N·m").replace("−", "-")
         mantissa, _, power = text.partition("·10")
         scale = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))) if power else 0
         shown = float(mantissa) * 10.0**scale
         assert 0.0 <= side * (shown - value) <= 1.001e-3 * abs(value)
     stiff = Requirement("stiffness_x", low=1.0).entry.display
-    assert words._rounded(12345.6, stiff, math.floor) == "12.34 N/mm"
+    assert words._rounded(12345.6, stiff, up=False) == "12.34 N/mm"
 
 
 def test_what_a_proof_rests_on() -> None:
