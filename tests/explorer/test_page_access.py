@@ -1,4 +1,4 @@
-"""The page for everyone: contrast and names in both themes, keys alone, tooltips, docks."""
+"""The page for everyone: both themes, keys alone, tooltips, docks."""
 
 from __future__ import annotations
 
@@ -12,22 +12,10 @@ from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
 from paminsa_viz.explorer.core.docks import EDGE
 from paminsa_viz.explorer.scene.cameras import in_window
 from paminsa_viz.explorer.state.view import Appearance
-from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import APPENDIX_4
-from tests.support.chromium import Tab, until
+from tests.support.chromium import Tab, until, wait_theme
 
 pytestmark = pytest.mark.browser
-
-RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
-CHECK = """rules => axe.run(document, {runOnly: rules, resultTypes: ['violations']})"""
-
-ALL_TABS = """
-  [role=tablist] + div { overflow: auto !important; }
-  [role=tablist] + div > div {
-    display: block !important; flex: none !important; overflow: visible !important;
-  }
-"""
-"""Shows the contents of all tabs, one below the other."""
 
 CANVAS = """() => {
   const box = window.__viserMutable.canvas.getBoundingClientRect();
@@ -53,16 +41,6 @@ FOCUSED = """() => {
   const seen = ringed || style.boxShadow !== 'none';
   return [window.__controls.indexOf(e), seen, e.outerHTML.slice(0, 200)];
 }"""
-
-
-def tabs(tab: Tab) -> list[str]:
-    """Return the names of all tabs."""
-    return [each.inner_text() for each in tab.page.get_by_role("tab").all()]
-
-
-def wait_theme(tab: Tab, scheme: str) -> None:
-    """Wait until the page has a theme, and its maps too."""
-    tab.page.wait_for_selector(f'html[data-mantine-color-scheme="{scheme}"]', state="attached")
 
 
 SCHEMES = """
@@ -111,40 +89,6 @@ def test_theme_is_the_browsers_until_one_is_chosen_and_that_of_the_first_picture
     has(Appearance.DARK)
     context.close()
     assert tab.errors == []
-
-
-def test_contrast_names_and_roles(tab: Tab, request: pytest.FixtureRequest) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    page = tab.page
-    until(lambda: {"Answer", "View"} <= set(tabs(tab)), "all tabs")  # a busy browser is late
-    names = [one.name for one in sections().values()]
-    for name in (*names, "Single map", "Motion plots", "Answer", "View", "File"):
-        tab.open_tab(name)  # what it holds is made when it is first opened
-    style = page.add_style_tag(content=ALL_TABS)
-    request.addfinalizer(lambda: style.evaluate("style => style.remove()"))
-    page.set_viewport_size({"width": 1280, "height": 8000})  # only what is on the page is checked
-    page.evaluate(axe.axe_script)
-
-    def violations(rules: list[str]) -> list[tuple[str, ...]]:
-        return [
-            (violation["id"], node["html"][:160], node["failureSummary"][:200])
-            for violation in page.evaluate(CHECK, rules)["violations"]
-            for node in violation["nodes"]
-        ]
-
-    # Names and roles are those of both themes; colors are not.
-    for theme, rules in ((Appearance.LIGHT, RULES), (Appearance.DARK, ["color-contrast"])):
-        tab.dispatch(lambda s, theme=theme: s.updated("", appearance=theme))
-        wait_theme(tab, theme.value)
-        tab.wait_frames(1000)
-        found = violations(rules)
-        for _ in range(3):  # names come a moment later
-            if found:
-                tab.wait_frames(500)
-                found = violations(rules)
-        assert found == [], theme
-    last = page.get_by_role("button", name="Take the guided tour").bounding_box()
-    assert last["y"] + last["height"] < 8000
 
 
 @pytest.mark.parametrize("name", ["Pose", "View", "Balance"])

@@ -7,48 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-import viser
 
-from paminsa_viz.explorer.tabs import sections
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
-X, Y, Z, MASS, LIMIT = "x  [mm]", "y  [mm]", "z  [mm]", "m₇ B3, B7 [kg]", "Largest condition number"
-NUMERIC = (viser.GuiNumberHandle, viser.GuiSliderHandle, viser.GuiVector2Handle)
+X, Y, Z, MASS = "x  [mm]", "y  [mm]", "z  [mm]", "m₇ B3, B7 [kg]"
 HINT = ".pv-field-hint"
-
-
-class Received:
-    """What arrives of number inputs, in its order, instead of what it would change.
-
-    Attributes:
-        values: Label and value, one entry an arrival.
-    """
-
-    def __init__(self, tab: Tab) -> None:
-        self.values: list[tuple[str, Any]] = []
-        self._session = tab.session
-        real = tab.session.dispatch
-
-        def dispatch(source: str, *rest: Any, **options: Any) -> None:
-            """Nothing is computed, nothing is written, but workspaces open."""
-            if source == "workspace":
-                real(source, *rest, **options)
-
-        self._session.dispatch = dispatch
-        for handle in self.handles.values():
-            handle.on_update(self._note)
-
-    @property
-    def handles(self) -> dict[str, Any]:
-        """Inputs of the session that hold numbers, by their uuid."""
-        found = self._session.client.gui._gui_input_handle_from_uuid
-        return {uuid: handle for uuid, handle in found.items() if isinstance(handle, NUMERIC)}
-
-    async def _note(self, event: Any) -> None:
-        if event.client is not None:
-            self.values.append((event.target.label, event.target.value))
 
 
 def leave_by_click(tab: Tab, field: Any) -> None:
@@ -86,71 +51,6 @@ def test_long_pauses_take_no_part_of_a_number(tab: Tab) -> None:
         until(lambda f=field, t=text: f.input_value() == t, "the box shows it")
     assert len(tab.session._history.past) == steps + 2
     assert before != tab.state
-
-
-UNFOLD = """() => {
-  for (const icon of document.querySelectorAll("svg.tabler-icon-chevron-down"))
-    if (icon.getClientRects().length) icon.parentElement.click();
-}"""
-
-
-TYPE_ALL = """async (pause) => {
-  const BOX = "input.mantine-NumberInput-input";
-  const rest = () => new Promise((done) => setTimeout(done, pause));
-  const press = (box, key) =>
-    box.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
-  const ends = [(box) => press(box, "Enter"), (box) => box.blur()];
-  const boxes = [...document.querySelectorAll(BOX)]
-    .filter((box) => box.getClientRects().length && !box.disabled && !box.tried);
-  const typed = [];
-  for (const box of boxes) {
-    const slider = box.parentElement.closest(".mantine-Flex-root")?.querySelector("[id]");
-    const all = [...box.closest(".mantine-NumberInput-root").parentElement.querySelectorAll(BOX)];
-    const text = (1.03 + 0.07 * typed.length).toFixed(2); // no value that is there already
-    box.tried = true;
-    box.focus(); // which leaves the one before, if it is not left yet
-    for (const part of [text[0], text.slice(1)]) {
-      press(box, part[0]);
-      document.execCommand("insertText", false, part);
-      await rest();
-    }
-    ends[typed.length % 3]?.(box);
-    typed.push([slider?.id ?? all[0].id, all.indexOf(box), Number(text)]);
-  }
-  document.activeElement.blur();
-  return typed;
-}"""
-PLACES = (
-    *(one.name for one in sections().values()),
-    *("View", "Torque maps", "Single map", "Motion plots", "Answer", "File"),
-)
-
-
-def test_every_box_gives_its_number_once_and_whole(tab: Tab) -> None:
-    tab.page.set_viewport_size({"width": 1600, "height": 1000})
-    received = Received(tab)
-    tried: set[str] = set()
-    for name in PLACES:
-        tab.open_tab(name)
-        tab.page.evaluate(UNFOLD)
-        tab.wait_frames(300)
-        values = {uuid: handle.value for uuid, handle in received.handles.items()}
-        wanted = []
-        for uuid, index, number in tab.page.evaluate(TYPE_ALL, 20 if name == "Pose" else 2):
-            if isinstance(values[uuid], tuple):
-                held = list(values[uuid])
-                held[index] = number
-                values[uuid] = tuple(held)
-            else:
-                values[uuid] = number
-            wanted.append((received.handles[uuid].label, values[uuid]))
-        until(lambda w=wanted: len(received.values) >= len(w), f"all numbers of {name}")
-        assert received.values == wanted
-        tried.update(label for label, _ in wanted)
-        received.values.clear()
-    assert len(tried) > 100
-    assert {X, LIMIT, MASS, "from–to"} <= tried
-    tab.reload()  # a session that computes again
 
 
 def test_numbers_of_two_boxes_within_a_moment_both_arrive(tab: Tab) -> None:

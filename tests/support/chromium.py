@@ -384,3 +384,8 @@ class Tab:
             ),
             "the platform is drawn at its pose",
         )
+
+
+def wait_theme(tab: Tab, scheme: str) -> None:
+    """Wait until the page has a theme, and its maps too."""
+    tab.page.wait_for_selector(f'html[data-mantine-color-scheme="{scheme}"]', state="attached")

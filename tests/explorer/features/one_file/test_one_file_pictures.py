@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core.persistence import share_code
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.palette import LIGHT, rgb
 from tests.explorer.features.one_file.opened import OTHER, START, Opened
-from tests.explorer.test_page_access import CHECK, RULES
+from tests.explorer.test_page_sections import CHECK, RULES
 from tests.support.chromium import until, watch_errors
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
