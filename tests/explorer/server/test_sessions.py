@@ -161,10 +161,11 @@ def test_reads_are_small_enough_for_the_event_loop(
 
 
 @pytest.mark.slow
-def test_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
+def test_message_that_is_too_large_is_refused(guarded: GuardedServer) -> None:
     (page, _), (other, theirs) = guarded.page(), guarded.page()
+    size = Limits().message_bytes
     with suppress(ConnectionClosed):
-        page.send(b"\xc6" + (50_000_000).to_bytes(4, "big") + bytes(50_000_000))
+        page.send(b"\xc6" + size.to_bytes(4, "big") + bytes(size))
         while True:  # what the server had sent before
             page.socket.recv(timeout=TIMEOUT)
     assert page.socket.close_code == 1009
