@@ -37,8 +37,7 @@ from paminsa_viz.explorer.tabs import (
     fill,
     sections,
 )
-from paminsa_viz.model import Design
-from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.model import Design, Geometry
 from paminsa_viz.quantities.requirements import Requirements
 
 
@@ -49,7 +48,7 @@ def has_graphics_card(renderer: object) -> bool:
 
 
 OPENING = (0.08, 0.05, np.pi / 3)
-"""x, y [m] at Appendix 4's lengths and theta [rad] that a new page opens at: the angle of the
+"""x, y [m] at Appendix 4's R_b and theta [rad] that a new page opens at: the angle of the
 paper's Fig. 3, and a position at which gravity loads all actuators."""
 
 
@@ -59,7 +58,7 @@ def opening_state(design: Design, requirements: Requirements | None = None) -> S
     if requirements is not None:
         start = start.updated("document", requirements=requirements)
     x, y, theta = OPENING
-    size = length_ratio(design.geometry)
+    size = design.geometry.base_radius / Geometry().base_radius  # singular circles follow it
     moved = actions.move(start, x=round(size * x, 3), y=round(size * y, 3), theta=theta)
     return moved if compute(moved).health is Health.OK else start
 
