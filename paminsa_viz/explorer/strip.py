@@ -43,7 +43,7 @@ def springs_html(frame: Frame) -> str:
     held = relieved(frame.state, frame.torques)
     if held is None:
         return ""
-    digits = decimals(frame.configuration.geometry)
+    digits = decimals(frame.shown_design)
     return render("springs/strip.j2", torques=held.tolist(), decimals=digits)
 
 

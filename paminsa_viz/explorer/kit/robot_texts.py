@@ -6,7 +6,7 @@ import math
 
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.model import APPENDIX_4, Geometry, static_imbalance
+from paminsa_viz.model import APPENDIX_4, Design, static_imbalance
 from paminsa_viz.model.resizing import length_ratio
 
 
@@ -20,19 +20,27 @@ def of_pose(frame: Frame, *texts: str) -> str:
     return gray_if(frame.health is Health.UNREACHABLE, *texts)
 
 
-def decimals(geometry: Geometry) -> tuple[int, int]:
+def decimals(design: Design) -> tuple[int, int]:
     """Return with how many decimals torques [N m] and forces [N] of a robot at rest are written.
 
-    Three and two at about Appendix 4's lengths. With masses in proportion torques are as the
-    lengths to the fourth and forces as their cubes: as many digits count in a robot of any size.
+    Three and two at about Appendix 4's masses and lengths. Forces are in proportion to the masses,
+    torques to masses times lengths: as many digits count in a robot of any size, and also in one
+    whose bars alone are long. The payload is left out, with which digits would come and go.
     """
-    size = max(math.log10(length_ratio(geometry)), -2.0)  # below it a line would be too short
-    return max(3 - round(4 * size), 0), max(2 - round(3 * size), 0)
+    weight = math.log10(_own_mass(design) / _own_mass(APPENDIX_4))
+    size = weight + math.log10(length_ratio(design.geometry))
+    # beyond -8 and -6 a line would be too short
+    return max(3 - round(max(size, -8.0)), 0), max(2 - round(max(weight, -6.0)), 0)
 
 
-def table_decimals(geometry: Geometry) -> tuple[int, int]:
+def _own_mass(design: Design) -> float:
+    legs = (*vars(design.links).values(), *vars(design.joints).values())
+    return 3 * sum(legs) + design.platform.mass
+
+
+def table_decimals(design: Design) -> tuple[int, int]:
     """Return with how many decimals tables have torques [N m] and forces [N], see `decimals`."""
-    of_torque, of_force = decimals(geometry)
+    of_torque, of_force = decimals(design)
     return of_torque, of_force + 1
 
 
@@ -46,7 +54,7 @@ def gauge_html(frame: Frame) -> str:
     span = 1.25 * max(map(abs, values.values()))
     return render(
         "balance_gauge.j2", balance=frame.balance, default=values["default"],
-        pinned=values.get("reference"), digits=table_decimals(frame.configuration.geometry)[1],
+        pinned=values.get("reference"), digits=table_decimals(frame.shown_design)[1],
         ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
     )  # fmt: skip
 

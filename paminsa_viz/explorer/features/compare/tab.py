@@ -49,7 +49,7 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
         design, reference: The designs.
         title: Heading of the reference's column.
     """
-    of_torque, of_force = decimals(design.geometry)
+    of_torque, of_force = decimals(design)
     rows = [
         (f"m{j + 1}", symbol, unit, float(torques[j]), float(held[j]), digits)
         for j, (symbol, unit, digits) in enumerate(

@@ -69,7 +69,7 @@ def _at_rest(name: str, frame: Frame, **values: Any) -> str:
     """Return a template of this section with what it writes of a robot at rest."""
     return render(
         f"pose/{name}.j2", frame=frame, torques=frame.torques,
-        decimals=decimals(frame.configuration.geometry), **values,
+        decimals=decimals(frame.shown_design), **values,
     )  # fmt: skip
 
 

@@ -31,7 +31,7 @@ def springs_html(frame: Frame) -> str:
         return springs.FIT.text(state, "springs", "Fitting …", "No springs") or without
     return blocks_html(
         "springs",
-        *springs_blocks(fit, frame.torques, held, table_decimals(frame.configuration.geometry)),
+        *springs_blocks(fit, frame.torques, held, table_decimals(frame.shown_design)),
         BESIDE,
         stale=springs.FIT.stale_text(state),
     )  # fmt: skip

@@ -18,7 +18,7 @@ def masses_html(frame: Frame) -> str:
     state = frame.state
     mass = state.tolerances.settings.mass
     found = of_masses(frame.shown_design, state.last_reachable.pose, mass)
-    places = table_decimals(frame.shown_design.geometry)
+    places = table_decimals(frame.shown_design)
     return blocks_html("tolerance-masses", *mass_tolerance_blocks(found, places))
 
 
@@ -27,7 +27,7 @@ def lengths_html(frame: Frame) -> str:
     state, found = frame.state, DRAW.result(frame.state)
     if found is None or DRAW.runs(state):
         return DRAW.text(state, "tolerance", "Computing …", "No sample") or ""
-    blocks = length_tolerance_blocks(found, table_decimals(frame.shown_design.geometry))
+    blocks = length_tolerance_blocks(found, table_decimals(frame.shown_design))
     return blocks_html("tolerance", *blocks, bold=[1], stale=DRAW.stale_text(state))
 
 

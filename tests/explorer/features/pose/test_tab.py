@@ -89,6 +89,14 @@ def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
     assert texts == [["ok"] * 12] * 2
 
 
+LONG_BARS = {"geometry.crank_length": 1.3, "geometry.coupler_length": 1.6}
+
+
+def numbers_in(text: str) -> list[str]:
+    """Return the numbers in bold of a text, without their signs."""
+    return re.findall("<b>.*?([0-9.]+)</", text)
+
+
 def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None:
     """With masses and inertias in proportion: torques are as the lengths to the fourth."""
     for factor, torques, force, balance in (
@@ -99,9 +107,15 @@ def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None
         at = (0.05 * factor, 0.03 * factor, 0.35, -0.55 * factor)
         frame = compute(actions.move_to(initial_state(prototype_times(factor)), at))
         for text in (load_html, actuators_html, torques_html):
-            assert re.findall("<b>.*?([0-9.]+)</", text(frame)) == [*torques, force]
+            assert numbers_in(text(frame)) == [*torques, force]
         for text in (gauge_html, summary_html):
             assert f">{balance}<" in text(frame)
+
+
+def test_torques_of_a_robot_whose_bars_alone_are_long_keep_their_digits() -> None:
+    """Its masses are the prototype's: torques of some N m had one decimal."""
+    frame = compute(opening_state(APPENDIX_4.vary(LONG_BARS)))
+    assert all(len(text.partition(".")[2]) == 3 for text in numbers_in(load_html(frame))[:3])
 
 
 def test_page_opens_where_gravity_loads_the_actuators_of_a_robot_of_any_size() -> None:
@@ -109,6 +123,8 @@ def test_page_opens_where_gravity_loads_the_actuators_of_a_robot_of_any_size() -
         x, y, theta, _ = opening_state(prototype_times(factor)).document.pose
         assert (x, y) == pytest.approx((0.08 * factor, 0.05 * factor))
         assert theta == pytest.approx(np.pi / 3)
+    long = opening_state(APPENDIX_4.vary(LONG_BARS))
+    assert np.abs(compute(long).torques[:3]).min() > 0.1
 
 
 def test_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
