@@ -64,7 +64,7 @@ const createMaps = ({ current, move, begin }) => {
     const pose = [x, y, doc.pose[2], doc.pose[3]];
     const found = solvePose(robot, pose);
     const other = differs() ? solvePose(reference(), pose).torques[index] : 0;
-    const value = found.ok ? `${number(found.torques[index] - other, 3)} N·m` : "out of reach";
+    const value = found.ok ? `${number(found.torques[index] - other, 3 + robot.spare.torque)} N·m` : "out of reach";
     find("hover").textContent =
       `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: ${symbol(index)} ${value}`;
   };
@@ -96,11 +96,12 @@ const createMaps = ({ current, move, begin }) => {
   const draw = (torques, moving) => {
     solve(moving);
     const { pictures, limit } = solved;
+    const spare = current().robot.spare.torque;
     const [radius, singular] = [extent(), singularRadius()];
     canvases.forEach((canvas, index) => {
-      titles[index].textContent = `${symbol(index)}: ±${number(limit, 1)} N·m`;
+      titles[index].textContent = `${symbol(index)}: ±${number(limit, 1 + spare)} N·m`;
       canvas.setAttribute("aria-label", `Map of the static torque of M${index + 1}; `
-        + `${number(torques[index], 3)} N·m at the pose`);
+        + `${number(torques[index], 3 + spare)} N·m at the pose`);
     });
     // All texts are written by now: each size that is read after a text has the page laid out again.
     canvases.forEach((canvas, index) => {

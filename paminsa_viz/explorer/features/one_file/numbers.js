@@ -8,7 +8,7 @@ const isDark = () => document.documentElement.classList.contains("dark");
 
 const number = (value, digits) => {
   if (!Number.isFinite(value)) return value === Infinity ? "∞" : "–";
-  const text = value.toFixed(digits);
+  const text = value.toFixed(Math.max(digits, 0));
   return text.replace("-", Number(text) ? "\u2212" : ""); // zero has no sign
 };
 
@@ -24,7 +24,7 @@ const fill = (id, rows, head) => {
 const fillActuators = (robot, doc, solved) => {
   const pinned = doc.reference && solvePose(robotOf(doc.reference, doc.knee), doc.pose);
   fill("actuators", solved.torques.map((torque, index) => {
-    const [digits, unit] = index < 3 ? [3, "N·m"] : [2, "N"];
+    const [digits, unit] = index < 3 ? [3 + robot.spare.torque, "N·m"] : [2 + robot.spare.force, "N"];
     const position = index < 3 ? `${number(DEGREES * solved.actuators[index], 2)}°`
       : `${number(1e3 * solved.actuators[3], 1)} mm`;
     const other = pinned
@@ -47,8 +47,8 @@ const fillMargins = (robot, doc, solved) => {
 const fillQuality = (robot, doc, solved) => {
   const mass = balancedMass(robot, doc);
   fill("quality", [
-    ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4)} N`],
-    ["balanced by m₇ =", mass >= 0 ? `${number(mass, 3)} kg` : "none"],
+    ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4 + robot.spare.force)} N`],
+    ["balanced by m₇ =", mass >= 0 ? `${number(mass, 3 + robot.spare.force)} kg` : "none"],
     ["least margin", `${number(1e3 * solved.margin, 1)} mm, leg ${solved.leg}, ${PAGE.limits[solved.limit]}`],
     ["condition number", number(solved.condition, 3)],
     ["to the singular circle", `${number(1e3 * solved.position, 1)} mm`],

@@ -128,7 +128,8 @@
     row.append(label, range, box);
     parent.append(row);
     fields.push(() => {
-      const value = Number(((read() ?? 0) * entry.factor).toFixed(9));
+      const shown = (read() ?? 0) * entry.factor;
+      const value = entry.factor === 1 ? shown : Number(shown.toFixed(9));
       const [low, high] = ends();
       range.min = Math.min(low, value);
       range.max = Math.max(high, value);

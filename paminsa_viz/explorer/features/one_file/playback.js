@@ -158,14 +158,14 @@ const createPlayback = ({ current, request, move, release }) => {
       Math.max(...motion.parts.map((each) => Math.abs(each.total[index])).filter(Number.isFinite)));
     find("chart").setAttribute("aria-label",
       `${CURVES[chosen]} over ${number(motion.duration, 2)} s; largest |τ| of M1 to M3: `
-      + `${largest.map((value) => number(value, 2)).join(", ")} N·m`);
-    const notes = [`t = ${number(time, 2)} s; largest |τ₁|, |τ₂|, |τ₃|: ${largest.map((value) => number(value, 2)).join(", ")} N·m.`];
+      + `${largest.map((value) => number(value, 2 + robot.spare.torque)).join(", ")} N·m`);
+    const notes = [`t = ${number(time, 2)} s; largest |τ₁|, |τ₂|, |τ₃|: ${largest.map((value) => number(value, 2 + robot.spare.torque)).join(", ")} N·m.`];
     if (motion.blocked >= 0) notes.push(`Out of reach at ${number(motion.times[motion.blocked], 2)} s.`);
     if (doc.drives) notes.push("Friction and inertia of the design's drives are not counted here.");
     find("moment").textContent = notes.join(" ");
     const parts = torqueParts(robot, motion.at(time));
     fill("causes", [...CAUSES, "total"].map((cause) =>
-      [cause, ...parts[cause].map((value, index) => number(value, index < 3 ? 3 : 1))]), ["", "M1", "M2", "M3", "M4"]);
+      [cause, ...parts[cause].map((value, index) => number(value, index < 3 ? 3 + robot.spare.torque : 1 + robot.spare.force))]), ["", "M1", "M2", "M3", "M4"]);
   };
   return { draw };
 };

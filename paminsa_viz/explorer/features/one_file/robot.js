@@ -5,6 +5,22 @@
  * SI units; a pose is (x, y, theta, z), a document is the text of a share code.
  */
 
+/** Return the mass of a design without its payload, of what the formulas need. */
+const ownMass = (doc) => Object.values(PAGE.masses).reduce((sum, path) =>
+  sum + (path === "platform.mass" ? 1 : /^(links|joints)\./.test(path) ? 3 : 0) * valueOf(doc, path), 0);
+
+/**
+ * Return how many decimals more, or fewer, than of the prototype torques and forces at rest are
+ * written with, as the program's `kit.robot_texts.decimals` has them.
+ */
+const spareDecimals = (doc) => {
+  const prototype = { design: {} };
+  const bars = (of) => valueOf(of, "geometry.crank_length") + valueOf(of, "geometry.coupler_length");
+  const weight = Math.log10(ownMass(doc) / ownMass(prototype));
+  const size = weight + Math.log10(bars(doc) / bars(prototype));
+  return { torque: -Math.round(Math.max(size, -8)), force: -Math.round(Math.max(weight, -6)) };
+};
+
 /** Return what the formulas need of a design. */
 const robotOf = (doc, knee = doc.knee) => {
   const of = (path) => valueOf(doc, path);
@@ -28,7 +44,7 @@ const robotOf = (doc, knee = doc.knee) => {
     mechanism, g, guide, arm: length("arm_length"), payload: of("payload.mass"), imbalance: c[1], load,
     turns: doc.load_frame === "platform" ? 1 : 0, loaded: load.slice(0, 6).some(Boolean),
     lift: k * (c[16] * g + 3 * c[0]) + 3 * c[2],
-    terms: terms(c), weightless: terms(weightless), slow: of("friction.transition_speed"),
+    spare: spareDecimals(doc), terms: terms(c), weightless: terms(weightless), slow: of("friction.transition_speed"),
     friction: ["rotary", "linear"].map((kind) =>
       [of(`friction.viscous_${kind}`), of(`friction.coulomb_${kind}`)]),
   };

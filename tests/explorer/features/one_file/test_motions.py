@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paminsa_viz.explorer.kit.robot_texts import decimals
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, LoadCase, backend, torque_breakdown
 from paminsa_viz.trajectory import PRESETS
 from tests.explorer.features.one_file.node import run_in_node
-from tests.support.samples import random_design
+from tests.support.samples import prototype_times, random_design
 
 RUN = """
 return given.map((text) => {
@@ -71,3 +72,17 @@ def test_states_and_torques_by_cause_are_those_of_python(tmp_path: Path) -> None
             finite += int(reached.sum())
             np.testing.assert_allclose(got[reached], wanted[reached], rtol=1e-9, atol=1e-9)
     assert finite > 100
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
+def test_torques_of_grams_have_the_decimals_of_the_served_page(tmp_path: Path) -> None:
+    robots = [prototype_times(factor) for factor in (0.1, 1.0, 5.0)]
+    documents = [Document(design=each, pose=(0.0, 0.0, 0.0, 0.0)) for each in robots]
+    run = "return given.map((text) => robotOf(checkedDocument(text)).spare);"
+    found = run_in_node(run, documents, tmp_path)
+    usual = decimals(APPENDIX_4)
+    for robot, spare in zip(robots, found, strict=True):
+        shown = [
+            max(0, many + spare[of]) for many, of in zip(usual, ("torque", "force"), strict=True)
+        ]
+        assert shown == list(decimals(robot))
