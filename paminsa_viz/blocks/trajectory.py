@@ -38,7 +38,7 @@ from paminsa_viz.trajectory import (
     payload_drift,
     unplanned_torque,
 )
-from paminsa_viz.units import NONE, counted, format_value, number
+from paminsa_viz.units import NONE, counted, format_value, number, rounded_to_side
 
 if TYPE_CHECKING:
     from paminsa_viz.plots.series import FigureKind
@@ -189,7 +189,10 @@ PAYLOAD_ERROR = 0.1
 
 def passages_blocks(design: Design, plan: TimeOptimalPlan) -> list[Table | Note]:
     """Return how fast a planned motion passes singularities, and what is not certain there."""
-    low, high = (format_value(end, "s", 3) for end in plan.durations)
+    low, high = (
+        format_value(rounded_to_side(end, 3, up=up), "s", 3)
+        for end, up in zip(plan.durations, (True, False), strict=True)
+    )
     passed = [
         (
             item.crossing.locus.label,

@@ -6,6 +6,7 @@ condition of `crossing` is an equation, and the limits are inequalities at point
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
@@ -28,6 +29,7 @@ from paminsa_viz.trajectory.crossing import (
 from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path
 from paminsa_viz.trajectory.planners import PLACE
+from paminsa_viz.units import rounded_to_side
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -257,7 +259,7 @@ class CrossingProgram:
         if torque is not None:
             problem = (
                 "no time law keeps the limits; torque and force limits would have to be at least "
-                f"{torque:.4g} times as large"
+                f"{rounded_to_side(torque, 4, up=True):.4g} times as large"
             )
             to_raise = "force" if self._limits.torque is None else "torque"
         elif len(speeds.limit):
@@ -266,7 +268,7 @@ class CrossingProgram:
                 problem = (
                     "no time law satisfies the conditions at the crossings within the speed "
                     "limits, whatever the torques; speed limits would have to be at least "
-                    f"{np.sqrt(squared):.4g} times as large"
+                    f"{rounded_to_side(math.sqrt(squared), 4, up=True):.4g} times as large"
                 )
                 to_raise = "turn_speed" if self._limits.speed is None else "speed"
         raise CrossingRefused("infeasible", problem, to_raise=to_raise)

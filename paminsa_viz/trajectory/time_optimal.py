@@ -47,7 +47,7 @@ from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.sampled import Passage
-from paminsa_viz.units import format_value
+from paminsa_viz.units import format_value, rounded_to_side
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -168,9 +168,10 @@ def time_optimal(
     shortest = curve.duration
     if duration is not None:
         if not shortest <= duration <= longest:
-            raise InvalidInput(
-                "duration", f"{shortest:.4g} s to {longest:.4g} s are possible, not {duration:g} s"
-            )
+            least = rounded_to_side(shortest, 4, up=True)
+            most = rounded_to_side(longest, 4, up=False)
+            problem = f"{least:.4g} s to {most:.4g} s are possible, not {duration:g} s"
+            raise InvalidInput("duration", problem)
         from scipy.optimize import brentq
 
         share: Any = brentq(
@@ -237,8 +238,9 @@ def _check_path(
         over = np.abs(torque) - limits.actuators
         if not (over <= 0).all():
             worst = int(np.argmax(over))
+            needed = rounded_to_side(float(abs(torque[worst])), 4, up=True)
             problem = (
-                f"the {end} cannot be held: M{worst + 1} needs {abs(torque[worst]):.4g} of "
+                f"the {end} cannot be held: M{worst + 1} needs {needed:.4g} of "
                 f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N·m'}"
             )
             to_raise = "force" if worst == 3 else "torque"

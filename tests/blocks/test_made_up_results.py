@@ -235,7 +235,7 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
         speed=1.2345, speed_range=(0.5, 2.0), residual=2.34e-14,
     )  # fmt: skip
     plan: Any = SimpleNamespace(
-        crossings=(item, item), durations=(0.37234, 11.0), plan=SimpleNamespace(duration=0.5)
+        crossings=(item, item), durations=(0.37234, 10.987), plan=SimpleNamespace(duration=0.5)
     )
     drifts = (
         CrossingDrift(0.2, 1.0, 0.01234, (3e-6, 4e-6, 1e-5, 9.0)),
@@ -249,7 +249,7 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
     assert isinstance(found[1], Table)
     assert "Generalized force along t_s" in found[1].head  # which is in N·m
     assert said(found) == [
-        ("Within the limits 0.372 s to 11 s are possible.", "plain"),
+        ("Within the limits 0.373 s to 10.9 s are possible.", "plain"),
         ("circle: 0.1 kg more payload lets the platform drift by 5 µm and 2.1″ in 12 ms.", "warn"),
         (
             "circle: 0.1 kg more payload lets the platform drift by less than 0.01 µm and less "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -240,8 +241,11 @@ def test_a_given_duration_is_kept(design: Design) -> None:
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
     assert time_optimal(design, TURN, TEN, high).plan.duration == pytest.approx(high, rel=1e-6)
     for wrong in (0.999 * low, 1.001 * high):
-        with pytest.raises(InvalidInput, match="duration"):
+        with pytest.raises(InvalidInput, match="duration") as refusal:
             time_optimal(design, TURN, TEN, wrong)
+        least, most = map(float, re.findall(r"(\S+) s (?:to|are)", str(refusal.value)))
+        assert low <= least < 1.001 * low
+        assert 0.999 * high < most <= high
 
 
 def test_the_time_law_is_the_derivative_of_itself() -> None:

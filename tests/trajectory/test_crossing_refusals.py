@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -82,13 +84,16 @@ def test_an_end_that_cannot_be_held_names_its_actuator_and_what_it_needs() -> No
     held = static_torques(APPENDIX_4, TURN(np.array([0.0, 1.0])))
     most = np.abs(held[:, :3]).max(axis=1)
     limit = 0.5 * min(most)
-    for path in (TURN, straight_path(TURN.goal, TURN.start)):
-        torque = static_torques(APPENDIX_4, path(np.array([0.0])))[0]
+    heavier = APPENDIX_4.vary({"gravity": 9.82})  # 3.24218 N·m, which is more than 3.242
+    back = straight_path(TURN.goal, TURN.start)
+    for design, path in ((APPENDIX_4, TURN), (APPENDIX_4, back), (heavier, TURN)):
+        torque = static_torques(design, path(np.array([0.0])))[0]
         worst = int(np.abs(torque[:3]).argmax())
         with pytest.raises(CrossingRefused, match="the start cannot be held") as refusal:
-            time_optimal(APPENDIX_4, path, MotionLimits(torque=limit))
-        words = f"M{worst + 1} needs {abs(torque[worst]):.4g} of {limit:.4g} N·m"
-        assert words in str(refusal.value)
+            time_optimal(design, path, MotionLimits(torque=limit))
+        said = re.search(rf"M{worst + 1} needs (\S+) of {limit:.4g} N·m", str(refusal.value))
+        assert said is not None
+        assert 1.0 <= float(said[1]) / abs(torque[worst]) < 1.001  # no less than it takes
         assert (refusal.value.cause, refusal.value.s) == ("hold", 0.0)
     order = np.argsort(most)  # the easier end first: it is held, the other one is not
     ends = TURN(np.array([0.0, 1.0]))[order]
@@ -112,11 +117,11 @@ def test_a_refusal_says_what_torques_are_enough_while_speeds_stay_limited() -> N
         return CrossingProgram(APPENDIX_4, TURN, found, limits, *PLAIN).fastest()
 
     with pytest.raises(CrossingRefused, match=r"times as large") as refusal:
-        shortest_law(6.0)
+        shortest_law(5.5)
     factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
-    assert shortest_law(6.0 * factor * 1.01).any()
+    assert shortest_law(5.5 * factor).any()
     with pytest.raises(CrossingRefused, match=r"times as large"):
-        shortest_law(6.0 * factor * 0.99)
+        shortest_law(5.5 * factor * 0.99)
 
 
 def test_a_refusal_names_the_speed_limit_that_no_torque_makes_up_for() -> None:
@@ -128,6 +133,6 @@ def test_a_refusal_names_the_speed_limit_that_no_torque_makes_up_for() -> None:
     with pytest.raises(CrossingRefused, match="speed limits would have to be") as refusal:
         shortest_law(0.1)
     factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
-    assert shortest_law(0.1 * factor * 1.01).any()
+    assert shortest_law(0.1 * factor).any()
     with pytest.raises(CrossingRefused, match="speed limits would have to be"):
         shortest_law(0.1 * factor * 0.99)

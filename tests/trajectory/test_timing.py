@@ -225,10 +225,11 @@ def test_friction_is_named_only_where_it_adds_to_gravity() -> None:
 
 def test_what_gravity_takes_is_in_the_unit_of_the_actuator() -> None:
     for actuator in range(4):
-        told = str(InfeasibleMotion(actuator, 0.25, (0.0, 0.0, 0.0, -0.5), -3.0, 2.0))
+        told = str(InfeasibleMotion(actuator, 0.25, (0.0, 0.0, 0.0, -0.5), -3.00004, 2.0))
         unit, word = ("N", "force") if actuator == 3 else ("N·m", "torque")
         assert "at 25 % of the motion" in told
-        assert f"takes 3 {unit}, and the {word} of M{actuator + 1} is limited to 2 {unit}" in told
+        assert f"takes 3.001 {unit}, and" in told  # not 3, which would not do
+        assert f"the {word} of M{actuator + 1} is limited to 2 {unit}" in told
 
 
 def test_impossible_limits_are_rejected() -> None:
