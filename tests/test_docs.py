@@ -142,6 +142,7 @@ def commands() -> list[str]:
     return sorted(found)
 
 
+@pytest.mark.usefixtures("parsers_made_once")
 @pytest.mark.parametrize("words", commands())
 def test_flags_of_commands_in_the_documentation_are_known(words) -> None:
     """Their flags are known; what they would do is the business of other tests."""

@@ -9,7 +9,7 @@ import pytest
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch) -> Path:
+def folder(tmp_path, monkeypatch, parsers_made_once) -> Path:
     """The working folder, empty."""
     monkeypatch.chdir(tmp_path)
     return tmp_path

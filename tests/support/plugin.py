@@ -10,7 +10,8 @@ from __future__ import annotations
 import gc
 import importlib
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -42,6 +43,30 @@ settings.load_profile("suite")
 def mujoco() -> Any:
     """The module."""
     return importlib.import_module("mujoco")
+
+
+@pytest.fixture(scope="session")
+def parsers_made_once() -> Iterator[None]:
+    """Have tyro make the parser of a command once: that takes most of the time of a refusal.
+
+    Where a version of tyro has moved what makes them, they are made anew.
+    """
+    made: dict[Any, Any] = {}
+
+    def make_once(kind: Any, **options: Any) -> Any:
+        if options.get("intern_prefix") != "" or options.get("parent_classes"):
+            return make(kind, **options)  # a part of one
+        key = kind, repr(options)
+        if key not in made:
+            made[key] = make(kind, **options)
+        return made[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        with suppress(ImportError, AttributeError):
+            parsers = importlib.import_module("tyro._parsers").ParserSpecification
+            make = parsers.from_callable_or_type
+            patch.setattr(parsers, "from_callable_or_type", staticmethod(make_once))
+        yield
 
 
 @pytest.fixture
