@@ -70,7 +70,7 @@ def test_benchmark_runs_at_its_smallest(
         # what is drawn of a robot may overlap: its clearance would take longest
         monkeypatch.setattr(module, "load_case", partial(module.load_case, allow_overlap=True))
     if name == "trajectory_speed":
-        short = module.PLAN.lasting(1.0)
+        short = module.PLAN.lasting(0.5)
         monkeypatch.setattr(module, "PLAN", short)
         monkeypatch.setattr(module, "SAMPLES", short.sample(100.0))
     if name == "volume_speed":
