@@ -247,7 +247,7 @@ def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) 
     if item.relaxed is None or item.by is None:
         return Note(f"{text(bound)}: no other bound of it helps.")
     ends = [
-        f"{name} {_rounded(new, bound.entry.display, up=name == 'at most')}"
+        f"{name} {rounded_bound(new, bound.entry.display, up=name == 'at most')}"
         for name, old, new in (
             ("at least", bound.low, item.relaxed.low),
             ("at most", bound.high, item.relaxed.high),
@@ -258,7 +258,7 @@ def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) 
     return Note(f"{text(bound)}: would do with {' and '.join(ends)} (moved by {by}).")
 
 
-def _rounded(value: float, unit: DisplayUnit, *, up: bool) -> str:
+def rounded_bound(value: float, unit: DisplayUnit, *, up: bool) -> str:
     """Return a bound with four digits, rounded to the side on which it still helps."""
     return f"{number(rounded_to_side(value * unit.factor, 4, up=up))} {unit.text}".rstrip()
 

@@ -14,6 +14,7 @@ from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, rows
 from paminsa_viz.blocks.requirements import (
     evidence_table,
     headings_text,
+    rounded_bound,
     verdict_text,
     workspace_text,
 )
@@ -24,6 +25,7 @@ from paminsa_viz.synthesis import (
     BoundOutcome,
     Buildability,
     ObjectiveLimit,
+    RelaxedBound,
     SynthesisCase,
     SynthesisResult,
     find_objective,
@@ -336,13 +338,22 @@ def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> li
     found = (
         (
             text(item.bound),
-            _value(item.nearest, item.bound),
+            _possible(item),
             f"{number(100 * item.change, 3, sign=True)} %",
         )
         for item in possible
     )
     caption = "One of these would have to be relaxed, the others kept; the nearest found."
     return [Table(("Requirement", "Possible", "Change"), rows(*found), caption)]
+
+
+def _possible(item: RelaxedBound) -> str:
+    """Return the value that a bound would have to have, none that is too strict by rounding."""
+    bound = item.bound
+    if isinstance(bound, Requirement):
+        return rounded_bound(item.nearest, bound.entry.display, up=bound.high is not None)
+    objective = find_objective(bound.objective)
+    return rounded_bound(item.nearest, objective.display, up=not objective.largest)
 
 
 def _value(value: float, bound: Requirement | ObjectiveLimit) -> str:

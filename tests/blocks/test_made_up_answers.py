@@ -143,13 +143,13 @@ def test_what_would_have_to_give_way() -> None:
 def test_a_relaxed_bound_is_rounded_to_the_side_on_which_it_helps(value: float) -> None:
     unit = Requirement("max_torque", high=1.0).entry.display
     for up, side in ((False, -1.0), (True, 1.0)):
-        text = words._rounded(value, unit, up=up).removesuffix(" N·m").replace("−", "-")
+        text = words.rounded_bound(value, unit, up=up).removesuffix(" N·m").replace("−", "-")
         mantissa, _, power = text.partition("·10")
         scale = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))) if power else 0
         shown = float(mantissa) * 10.0**scale
         assert 0.0 <= side * (shown - value) <= 1.001e-3 * abs(value)
     stiff = Requirement("stiffness_x", low=1.0).entry.display
-    assert words._rounded(12345.6, stiff, up=False) == "12.34 N/mm"
+    assert words.rounded_bound(12345.6, stiff, up=False) == "12.34 N/mm"
 
 
 def test_what_a_proof_rests_on() -> None:
@@ -340,13 +340,16 @@ def test_prices_are_changes_of_the_objective() -> None:
 
 
 def test_what_is_relaxed_is_listed_where_that_helps() -> None:
-    helps = RelaxedBound(TORQUE, 15.43, 0.0289)
+    helps = RelaxedBound(TORQUE, 15.42123, 0.0281)
     none = RelaxedBound(CONDITION, math.nan, math.nan)
     lower = RelaxedBound(TORQUE, 14.25, -0.05)
     (table,) = relaxed_blocks(answer(relaxed=(none, helps, lower)))
     assert cells(table) == [
-        ("max |τ| ≤ 15 N·m", "15.43 N·m", "+2.89 %"), ("max |τ| ≤ 15 N·m", "14.25 N·m", "−5 %"),
+        ("max |τ| ≤ 15 N·m", "15.43 N·m", "+2.81 %"), ("max |τ| ≤ 15 N·m", "14.25 N·m", "−5 %"),
     ]  # fmt: skip
+    limits = (RelaxedBound(RADIUS, 0.60012, 0.04), RelaxedBound(VOLUME, 0.0188888, -0.06))
+    (table,) = relaxed_blocks(answer(relaxed=limits))
+    assert [row[1].split()[0] for row in cells(table)] == ["600.2", "0.01888"]
     assert len(said(relaxed_blocks(answer(relaxed=(none,))))) == 1
     assert relaxed_blocks(answer(relaxed=())) == []
 
