@@ -410,8 +410,13 @@ def largest_blocks(
         head = Note(f"Largest workspace: {why}{_cause(found, text)}", "bad")
         # a path from home is looked for once, however long the search
         return [head, Note(advice)] if undecided and found.cause != "home" else [head]
-    place = _place(replace(requirements, workspace=found.workspace))
-    limit = workspace_text(replace(found.workspace, size=found.limit))
+    # what is told is no larger than what is proven, and no smaller than what breaks
+    size, beyond = (
+        tuple(rounded_to_side(extent, 4, up=up) for extent in extents)
+        for extents, up in ((found.workspace.size, False), (found.limit, True))
+    )
+    place = _place(replace(requirements, workspace=replace(found.workspace, size=size)))
+    limit = workspace_text(replace(found.workspace, size=beyond))
     sampled = bool(found.proof.sampled)
     what = "Largest workspace by proof and samples" if sampled else "Largest proven workspace"
     blocks: list[Table | Note] = [

@@ -362,7 +362,7 @@ WORKED: tuple[Claim, ...] = (
     ),
     Claim(
         "largest-workspace.md",
-        "The largest cylinder of 400 mm height is between 367.6 and 368.5 mm wide",
+        "The largest cylinder of 400 mm height is between 367.5 and 368.5 mm wide",
         "20,000 poses on its rim, one by one",
         "mm",
         0.6,

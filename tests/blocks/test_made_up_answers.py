@@ -280,6 +280,10 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     )  # fmt: skip
     assert notes[1][0].startswith("gap 12.3 mm to box 400 × 200 × 600 mm about x 10 mm")
     assert notes[2:] == [("1,500 boxes, 2.2 s", "plain")]
+    uneven = replace(PLACE, size=(0.29905, 0.10002, 0.398789))
+    notes = text(workspace=uneven, limit=(0.30002, 0.10002, 0.400012))
+    assert notes[0][0].startswith("Largest proven workspace: box 299 × 100 × 398.7 mm about")
+    assert notes[1][0].startswith("gap 12.3 mm to box 300.1 × 100.1 × 400.1 mm about")
     assert text(workspace=PLACE, boxes=1)[2][0] == "1 box, 2.2 s"
     sampled = SimpleNamespace(**vars(proof) | {"sampled": (CONDITION,)})
     head, kind = text(workspace=PLACE, proof=sampled)[0]
