@@ -221,7 +221,7 @@ class DisplayUnit(NamedTuple):
 
     def from_si(self, value: float) -> float:
         """Return an SI value as the displayed number, without the rounding error of the factor."""
-        return value if self.factor == 1 else round(value * self.factor, 9)
+        return float(value) if self.factor == 1 else round(value * self.factor, 9)
 
     def to_si(self, number: float) -> float:
         """Return a displayed number as an SI value, without the rounding error of the factor."""

@@ -222,3 +222,10 @@ def test_intervals_have_two_digits_and_the_value_as_many_decimals(value, half_wi
     assert ascii_only.isascii()
     if "·" not in text:
         assert ascii_only == text.replace("±", "+-").replace("−", "-").replace(NONE, "-")
+
+
+def test_numbers_without_a_factor_are_shown_whole_and_as_floats() -> None:
+    """viser casts what is typed to the kind of the number that an input had before."""
+    unit = display_unit("kg m^2")
+    assert unit.from_si(8.5e-12) == 8.5e-12
+    assert isinstance(unit.from_si(3), float)
