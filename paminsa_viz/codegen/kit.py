@@ -18,7 +18,7 @@ from paminsa_viz.model import kinematic_formulas, measures, robot
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import (
     forward_dynamics,
     friction_torque,
@@ -40,6 +40,7 @@ from paminsa_viz.model.lumped import (
     term_matrix,
 )
 from paminsa_viz.model.reach import check_reach, workspace_height, workspace_radius
+from paminsa_viz.model.resizing import radius_ratio
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques, unit_torques
 
@@ -294,7 +295,7 @@ def test_vectors(design: Design, draw: int) -> str:
     rng = np.random.default_rng(2005 + draw)
     geometry = design.geometry
     # lengths grow with the robot: a small one would else turn so fast that nothing but that counts
-    across = 0.3 * geometry.base_radius / Geometry().base_radius
+    across = 0.3 * radius_ratio(geometry)
     spread = np.array([across, across, 1.0, across])
     velocity, acceleration = rng.normal(size=(2, len(pose), 4)) * spread
     reach = check_reach(geometry, pose)

@@ -37,7 +37,8 @@ from paminsa_viz.explorer.tabs import (
     fill,
     sections,
 )
-from paminsa_viz.model import Design, Geometry
+from paminsa_viz.model import Design
+from paminsa_viz.model.resizing import radius_ratio
 from paminsa_viz.quantities.requirements import Requirements
 
 
@@ -58,7 +59,7 @@ def opening_state(design: Design, requirements: Requirements | None = None) -> S
     if requirements is not None:
         start = start.updated("document", requirements=requirements)
     x, y, theta = OPENING
-    size = design.geometry.base_radius / Geometry().base_radius  # singular circles follow it
+    size = radius_ratio(design.geometry)
     moved = actions.move(start, x=round(size * x, 3), y=round(size * y, 3), theta=theta)
     return moved if compute(moved).health is Health.OK else start
 

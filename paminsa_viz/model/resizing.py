@@ -141,6 +141,11 @@ def length_ratio(geometry: Geometry) -> float:
     return _span(geometry) / _span(APPENDIX_4.geometry)
 
 
+def radius_ratio(geometry: Geometry) -> float:
+    """Return R_b over Appendix 4's: what has room beside the singular circles follows it."""
+    return geometry.base_radius / APPENDIX_4.geometry.base_radius
+
+
 def is_prototype_sized(geometry: Geometry) -> bool:
     """Whether lengths are so near Appendix 4's that what is chosen for its robot holds as well."""
     return is_comparable(length_ratio(geometry))

@@ -21,6 +21,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import MARGINS, Limit, OfLimits, check_reach, status_words
+from paminsa_viz.model.resizing import radius_ratio
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.trajectory.sampled import Passage, Trajectory
 
@@ -135,7 +136,7 @@ def singular_clearance(geometry: Geometry) -> float:
     Args:
         geometry: Lengths of the mechanism.
     """
-    return SINGULAR_CLEARANCE * geometry.base_radius / Geometry().base_radius
+    return SINGULAR_CLEARANCE * radius_ratio(geometry)
 
 
 @of_geometry

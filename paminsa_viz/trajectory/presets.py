@@ -15,6 +15,7 @@ from paminsa_viz.model.arguments import geometry_of, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import workspace_height
+from paminsa_viz.model.resizing import radius_ratio
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, point_to_point, via_points
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
@@ -44,7 +45,7 @@ class PresetFrame:
     """Poses of a preset, given relative to `preset_center` as they are for Appendix 4's robot."""
 
     def __init__(self, geometry: Geometry) -> None:
-        across = geometry.base_radius / Geometry().base_radius
+        across = radius_ratio(geometry)
         up = workspace_height(geometry) / workspace_height(Geometry())
         self.scale = np.array([across, across, 1.0, up])
         self.center = preset_center(geometry)

@@ -9,11 +9,8 @@ from typing import Any, TypeVar
 from paminsa_viz.explorer.core.simulated import at_instant
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.layers import with_layers
-from paminsa_viz.explorer.state.motion import sized
 from paminsa_viz.explorer.state.plane import PlaneJob
-from paminsa_viz.explorer.state.simulation import unknown_payload
-from paminsa_viz.explorer.state.springs import sized_springs
-from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.state.state import State, sized
 from paminsa_viz.files.design_writer import NAME_CHARACTERS, name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
 from paminsa_viz.model.design import CHANGED, renamed_if_changed
@@ -32,22 +29,15 @@ def with_document(state: State, document: Document) -> State:
     While the robot follows the motion, its pose is that of the instant that is shown, or where the
     simulated robot is if that is shown; where the motion fails, it stays.
     """
-    document = with_names_apart(document)
-    was, now = state.document.design.geometry, document.design.geometry
-    document = replace(document, motion=sized(document.motion, was, now))
+    was = state.document.design.geometry
+    state = sized(replace(state, document=with_names_apart(document)), was)
+    document = state.document
     if state.playback.following:
         document = at_instant(document, state.simulation, state.playback.time)
     last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)
-    changed = replace(state, document=document, last_reachable=last_reachable)
-    springs = sized_springs(changed.springs.settings, was, now)
-    if springs != changed.springs.settings:
-        changed = changed.updated("springs", settings=springs)
-    usual, payload = unknown_payload(was), unknown_payload(now)
-    if payload == usual or state.simulation.settings.payload_mismatch != usual:
-        return changed  # or a person has chosen one
-    return changed.updated("simulation.settings", payload_mismatch=payload)
+    return replace(state, document=document, last_reachable=last_reachable)
 
 
 def change_document(state: State, **changes: Any) -> State:

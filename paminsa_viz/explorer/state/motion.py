@@ -20,7 +20,7 @@ from paminsa_viz.explorer.state.settings import (
 from paminsa_viz.model import Geometry, InvalidInput
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import COORDINATES
-from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.model.resizing import length_ratio, radius_ratio
 from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -97,7 +97,7 @@ DEFAULT_LIMITS = MotionLimits(
     force=400.0,
 )
 """Limits to begin with, within what Appendix 4's robot can do; none of them is the paper's. See
-`sized` for robots of other lengths."""
+`sized_motion` for robots of other lengths."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ _LIMITS_FOLLOWING = {"torque": (4, (1e-30, LARGEST_LIMIT)), "force": (3, (1e-30,
 beside gravity."""
 
 
-def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
+def sized_motion(motion: Motion, was: Geometry, now: Geometry) -> Motion:
     """Return a motion whose height, radius and limits of actuators follow the robot's lengths.
 
     Those that a person has chosen stay. What `Motion` has at first would take a small robot out of
@@ -182,7 +182,7 @@ def sized(motion: Motion, was: Geometry, now: Geometry) -> Motion:
         now: Lengths that it is for.
     """
     first, ratios = Motion(), (length_ratio(was), length_ratio(now))
-    across = [one.base_radius / Geometry().base_radius for one in (was, now)]
+    across = (radius_ratio(was), radius_ratio(now))
     found = followed(motion, first, {"height": (1, LENGTHS)}, *ratios)
     found = followed(found, first, {"radius": (1, LENGTHS)}, *across)
     limits = followed(motion.limits, first.limits, _LIMITS_FOLLOWING, *ratios)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
-from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, at_first, setting
+from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, followed, setting
 from paminsa_viz.model import Design, Geometry, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import LARGEST
@@ -40,7 +40,7 @@ class SimulationSettings(Settings):
     """Robot and controller of a simulation.
 
     The default carries 5 kg that the controller does not know of, with gains so low that the robot
-    is seen to sink below its path; see `unknown_payload` for robots of other lengths.
+    is seen to sink below its path; see `sized_simulation` for robots of other lengths.
 
     Attributes:
         bandwidth: [Hz].
@@ -79,15 +79,16 @@ class SimulationSettings(Settings):
         return Controller(self.control, self.bandwidth, self.damping)
 
 
-def unknown_payload(geometry: Geometry) -> float:
-    """Return the payload that the controller does not know of at first, to one digit [kg].
+def sized_simulation(
+    settings: SimulationSettings, was: Geometry, now: Geometry
+) -> SimulationSettings:
+    """Return settings whose payload mismatch follows the robot's lengths, unless it was chosen.
 
     It sinks in proportion to itself over the robot's mass: to be seen in a robot of other lengths,
     and not to leave its workspace, it is as the lengths to the fourth.
     """
-    return at_first(
-        SimulationSettings().payload_mismatch, 4, length_ratio(geometry), (0.0, LARGEST["kg"])
-    )
+    powers = {"payload_mismatch": (4, (0.0, LARGEST["kg"]))}
+    return followed(settings, SimulationSettings(), powers, length_ratio(was), length_ratio(now))
 
 
 @dataclass(frozen=True)

@@ -18,17 +18,17 @@ from paminsa_viz.explorer.state.layers import default_layers
 from paminsa_viz.explorer.state.loads import LoadsState
 from paminsa_viz.explorer.state.maps import MapView
 from paminsa_viz.explorer.state.monte_carlo import MonteCarloState
-from paminsa_viz.explorer.state.motion import Motion, Playback, PlotView, PointEditing, sized
+from paminsa_viz.explorer.state.motion import Playback, PlotView, PointEditing, sized_motion
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.pins import PinsState
 from paminsa_viz.explorer.state.requirements import RequirementsState
-from paminsa_viz.explorer.state.simulation import Answer, SimulationState, unknown_payload
-from paminsa_viz.explorer.state.springs import SpringSettings, SpringsState, sized_springs
+from paminsa_viz.explorer.state.simulation import Answer, SimulationState, sized_simulation
+from paminsa_viz.explorer.state.springs import SpringsState, sized_springs
 from paminsa_viz.explorer.state.stiffness import StiffnessState
 from paminsa_viz.explorer.state.synthesis import SynthesisState
 from paminsa_viz.explorer.state.tolerances import TolerancesState
 from paminsa_viz.explorer.state.view import Appearance, Camera, Docks, WorkspaceView
-from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.palette import DARK, LIGHT, Theme
@@ -144,10 +144,21 @@ def _updated(data: Any, part: str, changes: dict[str, Any]) -> Any:
 def initial_state(design: Design = APPENDIX_4) -> State:
     """Return the state a new session starts with."""
     pose = home_pose(design.geometry)
-    motion = sized(Motion(), APPENDIX_4.geometry, design.geometry)
-    document = Document(design, pose, motion=motion)
-    state = State(document, LastReachable(design.geometry, pose))
-    springs = sized_springs(SpringSettings(), APPENDIX_4.geometry, design.geometry)
-    state = state.updated("springs", settings=springs)
-    payload = unknown_payload(design.geometry)
-    return state.updated("simulation.settings", payload_mismatch=payload)
+    state = State(Document(design, pose), LastReachable(design.geometry, pose))
+    return sized(state, APPENDIX_4.geometry)
+
+
+def sized(state: State, was: Geometry) -> State:
+    """Return the state with what follows the robot's lengths, but for what a person has chosen.
+
+    Args:
+        state: The state.
+        was: Lengths that its motion and settings were for.
+    """
+    document, now = state.document, state.document.design.geometry
+    if was == now:
+        return state
+    springs = sized_springs(state.springs.settings, was, now)
+    simulation = sized_simulation(state.simulation.settings, was, now)
+    state = state.updated("springs", settings=springs).updated("simulation", settings=simulation)
+    return state.updated("document", motion=sized_motion(document.motion, was, now))
