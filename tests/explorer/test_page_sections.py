@@ -140,7 +140,11 @@ def test_every_box_gives_its_number_once_and_whole(whole: Tab, inputs: dict[str,
         else:
             values[uuid] = number
         wanted.append((inputs[uuid].label, values[uuid]))
-    until(lambda: len(received) >= len(wanted), "all numbers")
+
+    def lacking() -> str:
+        return f"all numbers; {[one for one in wanted if one not in received]} are lacking"
+
+    until(lambda: len(received) >= len(wanted), lacking)
     assert received == wanted
     assert len(wanted) > 140
     labels = {"x  [mm]", "Largest condition number", "m₇ B3, B7 [kg]", "from–to"}
