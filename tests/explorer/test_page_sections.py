@@ -84,6 +84,7 @@ UNFOLD = """() => {
 TYPE_ALL = """async () => {
   const BOX = "input.mantine-NumberInput-input";
   const rest = (pause) => new Promise((done) => setTimeout(done, pause));
+  const picture = () => new Promise(requestAnimationFrame);
   const press = (box, key) =>
     box.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
   const ends = [(box) => press(box, "Enter"), (box) => box.blur()];
@@ -94,14 +95,16 @@ TYPE_ALL = """async () => {
     const slider = box.parentElement.closest(".mantine-Flex-root")?.querySelector("[id]");
     const all = [...box.closest(".mantine-NumberInput-root").parentElement.querySelectorAll(BOX)];
     const text = (1.03 + 0.07 * typed.length).toFixed(2); // no value that is there already
+    const uuid = slider?.id ?? all[0].id;
     box.focus(); // which leaves the one before, if it is not left yet
+    if (typed.at(-1)?.[0] === uuid) await picture(); // in one, an input sends its newest value only
     press(box, text[0]);
     document.execCommand("insertText", false, text[0]);
     await rest(typed.length < 10 ? 20 : 2); // in which what is there so far may not be given
     press(box, text[1]);
     document.execCommand("insertText", false, text.slice(1));
     ends[typed.length % 3]?.(box);
-    typed.push([slider?.id ?? all[0].id, all.indexOf(box), Number(text)]);
+    typed.push([uuid, all.indexOf(box), Number(text)]);
   }
   document.activeElement.blur();
   return typed;
