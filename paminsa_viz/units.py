@@ -228,12 +228,17 @@ class DisplayUnit(NamedTuple):
         decimals = 12 if self.factor <= MM else 24
         return number if self.factor == 1 else round(number / self.factor, decimals)
 
-    def format(self, value: float, digits: int = 4, *, ascii_only: bool = False) -> str:
+    def format(
+        self, value: float, digits: int = 4, *, ascii_only: bool = False, up: bool | None = None
+    ) -> str:
         """Return an SI value with its unit: ``363.5 mm``, ``30°``; a dash for NaN.
 
         With ``ascii_only`` the number is one that every terminal and program reads: ``-1e-13``.
+        A limit to follow is rounded up, or down (`rounded_to_side`); all else to the nearest.
         """
         shown = value * self.factor
+        if up is not None:
+            shown = rounded_to_side(shown, digits, up=up)
         text = _plain(shown, digits) if ascii_only else number(shown, digits)
         space = "" if self.text.startswith(("°", "″")) else " "
         return NONE if math.isnan(value) else f"{text}{space}{self.text}".rstrip()
@@ -300,14 +305,17 @@ def readable_unit(
     return DisplayUnit(plain.factor * 10.0**-power, f"{power_of_ten(power)} {plain.text}".rstrip())
 
 
-def format_value(value: float, unit: str, digits: int = 4) -> str:
-    """Return a value of an SI unit with its display unit; a dash for NaN."""
-    return display_unit(unit).format(value, digits)
+def format_value(value: float, unit: str, digits: int = 4, *, up: bool | None = None) -> str:
+    """Return a value of an SI unit with its display unit; a dash for NaN.
+
+    With ``up`` it is rounded to that side, as `DisplayUnit.format` says.
+    """
+    return display_unit(unit).format(value, digits, up=up)
 
 
-def format_ascii(value: float, unit: str, digits: int = 4) -> str:
+def format_ascii(value: float, unit: str, digits: int = 4, *, up: bool | None = None) -> str:
     """Return the same with an ASCII number, for terminals, tables and messages."""
-    return display_unit(unit).format(value, digits, ascii_only=True)
+    return display_unit(unit).format(value, digits, ascii_only=True, up=up)
 
 
 def format_pose(pose: Iterable[float], digits: int = 4, *, ascii_only: bool = False) -> str:

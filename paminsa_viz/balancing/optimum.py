@@ -120,7 +120,7 @@ class Shortfall:
     def text(self, name: str) -> str:
         """Return what is required and what is possible, with a name for the limit's label."""
         limit = format_ascii(self.limit, self.unit, 6)
-        attainable = format_ascii(rounded_to_side(self.attainable, 6, up=True), self.unit, 6)
+        attainable = format_ascii(self.attainable, self.unit, 6, up=True)
         return f"{name} of at most {limit} is required; the least possible is {attainable}"
 
 

@@ -30,7 +30,6 @@ from paminsa_viz.synthesis.volume.surface import volume_surface
 from paminsa_viz.synthesis.volume.workspace import RequirementCheck
 from paminsa_viz.units import (
     NONE,
-    DisplayUnit,
     counted,
     format_pose,
     format_value,
@@ -247,7 +246,7 @@ def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) 
     if item.relaxed is None or item.by is None:
         return Note(f"{text(bound)}: no other bound of it helps.")
     ends = [
-        f"{name} {rounded_bound(new, bound.entry.display, up=name == 'at most')}"
+        f"{name} {bound.entry.display.format(new, up=name == 'at most')}"
         for name, old, new in (
             ("at least", bound.low, item.relaxed.low),
             ("at most", bound.high, item.relaxed.high),
@@ -256,11 +255,6 @@ def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) 
     ]
     by = format_value(item.by, bound.entry.unit, 3)
     return Note(f"{text(bound)}: would do with {' and '.join(ends)} (moved by {by}).")
-
-
-def rounded_bound(value: float, unit: DisplayUnit, *, up: bool) -> str:
-    """Return a bound with four digits, rounded to the side on which it still helps."""
-    return f"{number(rounded_to_side(value * unit.factor, 4, up=up))} {unit.text}".rstrip()
 
 
 def _largest(design: Design, requirements: Requirements) -> list[Block]:

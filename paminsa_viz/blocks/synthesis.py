@@ -14,7 +14,6 @@ from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, rows
 from paminsa_viz.blocks.requirements import (
     evidence_table,
     headings_text,
-    rounded_bound,
     verdict_text,
     workspace_text,
 )
@@ -351,9 +350,9 @@ def _possible(item: RelaxedBound) -> str:
     """Return the value that a bound would have to have, none that is too strict by rounding."""
     bound = item.bound
     if isinstance(bound, Requirement):
-        return rounded_bound(item.nearest, bound.entry.display, up=bound.high is not None)
+        return bound.entry.display.format(item.nearest, up=bound.high is not None)
     objective = find_objective(bound.objective)
-    return rounded_bound(item.nearest, objective.display, up=not objective.largest)
+    return objective.display.format(item.nearest, up=not objective.largest)
 
 
 def _value(value: float, bound: Requirement | ObjectiveLimit) -> str:

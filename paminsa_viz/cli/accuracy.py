@@ -25,7 +25,7 @@ from paminsa_viz.precision.manufacture import (
     monte_carlo,
 )
 from paminsa_viz.studies.region import RegionResults
-from paminsa_viz.units import UM, format_pose
+from paminsa_viz.units import UM, format_pose, rounded_to_side
 
 DESCRIPTION = """\
 Errors of the platform's pose that the drives leave, at a pose and over the workspace; and those by
@@ -120,8 +120,9 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
                     UM * PARAMETER[f"accuracy.{linear}"].largest,
                 )
                 if not all(0 <= value <= end for value, end in zip(given, most, strict=True)):
+                    degrees = rounded_to_side(most[0], 3, up=False)
                     raise UsageError(
-                        f"--{name}: 0 to {most[0]:.3g} degrees and 0 to {most[1]:g} um are "
+                        f"--{name}: 0 to {degrees:.3g} degrees and 0 to {most[1]:g} um are "
                         f"possible, not {given[0]:g} {given[1]:g}"
                     )
                 changes |= {rotary: math.radians(given[0]), linear: given[1] / UM}

@@ -23,6 +23,7 @@ from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
+from paminsa_viz.units import rounded_to_side
 
 LEAST_MASS = 1e-3
 """Least mass of a sliding link at an end of the tree, its joints included [kg]."""
@@ -127,5 +128,5 @@ def _check_inertia(mechanism: MechanismTree, size: float) -> None:
             raise InvalidInput(
                 "design",
                 f"{link.name} with its joints has {held:g} {unit}; MuJoCo cannot move less than "
-                f"{least:g} {unit}",
+                f"{rounded_to_side(least, 6, up=True):g} {unit}",
             )

@@ -32,6 +32,7 @@ from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
 from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
+from paminsa_viz.units import rounded_to_side
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -162,10 +163,11 @@ def _tube(design: Design, bar: str) -> Point:
     axial = getattr(design.inertias, f"{bar}_axial")
     across = getattr(design.inertias, f"{bar}_transverse")
     if axial > 2 * across:
+        most = rounded_to_side(2 * across, 6, up=False)
         raise InvalidDesign(
             f"inertias.{bar}_axial",
             axial,
-            f"no rigid body has more than twice its transverse inertia, {2 * across:.6g} kg·m²",
+            f"no rigid body has more than twice its transverse inertia, {most:.6g} kg·m²",
         )
     return (axial, across, across)
 

@@ -18,6 +18,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.identification.information import LIMITED, Evaluation, Information
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.progress import Canceled, Progress, keep_on
+from paminsa_viz.units import rounded_to_side
 
 LEAST_SAMPLES = 250
 """Fewest samples of a period at which limits are looked at."""
@@ -155,7 +156,8 @@ def _refusal(info: Information, smallest: Array) -> NoExcitation:
     when = "even in the smallest motions that were tried" if motion else "at rest there"
     # what is left of reach and height is a share of a length, of all others one of the limit
     times = 1.0 - rooms[motion, place] if place < len(LIMITED) - 2 else np.inf
-    by = f", {times:.3g} times as large" if np.isfinite(times) else ""
+    needed = rounded_to_side(float(times), 3, up=True)
+    by = f", {needed:.3g} times as large" if np.isfinite(times) else ""
     remedy = "; raise it, or give the design a drive that has more" if place < 8 else ""
     name = LIMITED[min(place, len(LIMITED) - 1)]  # reach is the last one, of each leg
     return NoExcitation(

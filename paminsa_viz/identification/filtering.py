@@ -22,6 +22,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import nearest_solution
 from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.units import rounded_to_side
 
 ORDER = 4
 """Order of the Butterworth filter; forward and backward it is twice that."""
@@ -152,7 +153,7 @@ def filter_log(
             out of reach.
     """
     if not (np.isfinite(cut_off) and 0 < cut_off <= log.rate / LOWEST_RATE):
-        most = log.rate / LOWEST_RATE
+        most = rounded_to_side(log.rate / LOWEST_RATE, 6, up=False)
         raise InvalidInput("cut_off", f"above 0 and at most {most:g} Hz is needed, not {cut_off!r}")
     from scipy.signal import butter, sosfiltfilt  # takes a while to load
 
@@ -167,7 +168,8 @@ def filter_log(
     least = (2 * settle + 4 * _REACH) * every
     kept = [piece for piece in pieces if piece.stop - piece.start > least]
     if not kept:
-        raise InvalidLog(f"a piece without gaps of at least {least / log.rate:.3g} s is needed")
+        shortest = rounded_to_side(least / log.rate, 3, up=True)
+        raise InvalidLog(f"a piece without gaps of at least {shortest:.3g} s is needed")
     padding = round(SETTLING / cut_off * log.rate)
     parts, torques, times = [], [], []
     for number, piece in enumerate(kept):

@@ -50,6 +50,7 @@ from paminsa_viz.model.parameters import (
     Platform,
     parameter,
 )
+from paminsa_viz.units import rounded_to_side
 
 TILT_INERTIA = "elastic.platform_tilt_inertia"
 
@@ -118,7 +119,8 @@ class Design(Group, path="design"):
         super().__post_init__()
         tilt = self.elastic.platform_tilt_inertia
         if tilt is not None and 2 * tilt < self.platform.inertia:
-            allowed = f"no rigid body has less than I_pl/2, {0.5 * self.platform.inertia:.6g} kg·m²"
+            least = rounded_to_side(0.5 * self.platform.inertia, 6, up=True)
+            allowed = f"no rigid body has less than I_pl/2, {least:.6g} kg·m²"
             raise InvalidDesign(TILT_INERTIA, tilt, allowed)
 
     def value(self, path: str) -> float:

@@ -7,6 +7,7 @@ from enum import Enum
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import SMALLEST, Group, parameter
+from paminsa_viz.units import rounded_to_side
 
 
 class KneeBranch(Enum):
@@ -71,12 +72,13 @@ class Geometry(Group, path="geometry"):
             )
         if self.home_span >= self.crank_length + self.coupler_length:
             longest = self.crank_length + self.coupler_length
+            needed = rounded_to_side(self.home_span, 6, up=True)
             raise InvalidDesign(
                 "geometry.coupler_length",
                 self.coupler_length,
                 f"B4 and B8 cannot close the pantograph with the platform at the center: together "
                 f"they reach {longest:.6g} m, and joints 8 and 5 are at least "
-                f"{self.home_span:.6g} m apart there; lengthen B4 or B8, or bring R_b and R_pl "
+                f"{needed:.6g} m apart there; lengthen B4 or B8, or bring R_b and R_pl "
                 f"closer together",
             )
 

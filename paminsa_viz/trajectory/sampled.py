@@ -13,6 +13,7 @@ from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.trajectory.plant import hermite
+from paminsa_viz.units import rounded_to_side
 
 RATE = 1000.0
 """Default samples a second [1/s]."""
@@ -37,9 +38,8 @@ def sample_times(begin: float, end: float, rate: float) -> Array:
     count = (end - begin) * rate
     if count > MOST_SAMPLES:
         problem = f"{count:.3g} samples are more than {MOST_SAMPLES:,}"
-        raise InvalidInput(
-            "rate", f"{problem}; at most {MOST_SAMPLES / (end - begin):.3g} a second"
-        )
+        most = rounded_to_side(MOST_SAMPLES / (end - begin), 3, up=False)
+        raise InvalidInput("rate", f"{problem}; at most {most:.3g} a second")
     return np.linspace(begin, end, max(2, round(count) + 1))
 
 

@@ -29,7 +29,7 @@ from paminsa_viz.trajectory.plan import Blend, Plan
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.supremum import nodes, supremum
 from paminsa_viz.trajectory.time_laws import TimeLaw, fit_law
-from paminsa_viz.units import format_ascii, rounded_to_side
+from paminsa_viz.units import format_ascii
 
 UNBOUNDED_JERK = "the acceleration of this motion jumps, so its jerk has no bound"
 """Why a motion keeps no limit of jerk."""
@@ -115,10 +115,10 @@ class InfeasibleMotion(PaminsaError):
         self.by_drive = by_drive
         name, unit = LIMITED[6 + actuator], UNITS[6 + actuator]
         what = "gravity and Coulomb friction take" if friction else "gravity takes"
-        least = rounded_to_side(abs(needed), 4, up=True)
+        least = format_ascii(abs(needed), unit, up=True)
         super().__init__(
             f"no duration is long enough: at {100 * share:.3g} % of the motion {what} "
-            f"{format_ascii(least, unit)}, and the {name} is limited to {format_ascii(limit, unit)}"
+            f"{least}, and the {name} is limited to {format_ascii(limit, unit)}"
             f"{' by its drive' if by_drive else ''}"
         )
 

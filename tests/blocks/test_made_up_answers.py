@@ -143,13 +143,13 @@ def test_what_would_have_to_give_way() -> None:
 def test_a_relaxed_bound_is_rounded_to_the_side_on_which_it_helps(value: float) -> None:
     unit = Requirement("max_torque", high=1.0).entry.display
     for up, side in ((False, -1.0), (True, 1.0)):
-        text = words.rounded_bound(value, unit, up=up).removesuffix(" N·m").replace("−", "-")
+        text = unit.format(value, up=up).removesuffix(" N·m").replace("−", "-")
         mantissa, _, power = text.partition("·10")
         scale = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))) if power else 0
         shown = float(mantissa) * 10.0**scale
         assert 0.0 <= side * (shown - value) <= 1.001e-3 * abs(value)
     stiff = Requirement("stiffness_x", low=1.0).entry.display
-    assert words.rounded_bound(12345.6, stiff, up=False) == "12.34 N/mm"
+    assert stiff.format(12345.6, up=False) == "12.34 N/mm"
 
 
 def test_what_a_proof_rests_on() -> None:

@@ -9,6 +9,7 @@ from paminsa_viz.files import save_design
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model import APPENDIX_4, actuator_velocity, static_torques
 from paminsa_viz.trajectory import preset_center
+from paminsa_viz.units import rounded_to_side
 from tests.support.commands import run, run_json
 from tests.support.samples import resized
 
@@ -53,7 +54,5 @@ def test_wrong_limits_are_refused(capsys) -> None:
     code, out, err = run("excite", capsys, *SHORT, "--max-force", "50")
     assert (code, out) == (1, "")
     held = static_torques(APPENDIX_4, preset_center(APPENDIX_4.geometry))[3]
-    assert (
-        f"force of M4 is beyond its limit at rest there, {held / 50:.3g} times as large; raise it"
-        in err
-    )
+    times = f"{rounded_to_side(held / 50, 3, up=True):.3g} times as large"
+    assert f"force of M4 is beyond its limit at rest there, {times}; raise it" in err

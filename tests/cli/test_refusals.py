@@ -126,7 +126,7 @@ report --out r.html --max-torque 3                  | --max-torque belongs to --
 report --out no/r.html                              | cannot be written: its folder does not exist
 accuracy --encoders                                 | no drive of the design has encoder_counts
 accuracy --encoders --resolution 0.1 1              | exclude each other
-accuracy --resolution -1 1                          | --resolution: 0 to 57.3 degrees and 0 to
+accuracy --resolution -1 1                          | --resolution: 0 to 57.2 degrees and 0 to
 accuracy --pose 0 0 0 -2000                         | cannot be taken
 accuracy --radius -5                                | radius
 accuracy --robots 5                                 | --robots is for --manufacture

@@ -111,7 +111,7 @@ def test_a_checkpoint_is_there_at_once_and_used_by_one_process(capsys) -> None:
 def test_what_people_read(capsys) -> None:
     code, out, err = run("synthesize", capsys, "small.toml")
     assert (code, err) == (0, "")
-    assert "R_pl > R_b is excluded: |R_b - R_pl| has to be above 135.7 mm" in out
+    assert "R_pl > R_b is excluded: |R_b - R_pl| has to be above 135.8 mm" in out
     assert "Least footprint radius found" in out
     assert "condition <= 10" in out
     assert "requirements were verified on" in out

@@ -25,6 +25,7 @@ from paminsa_viz.identification.filtering import (
 )
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.units import rounded_to_side
 from tests.identification.test_estimate import random_columns
 from tests.support.identification_logs import clean_signals
 
@@ -131,7 +132,8 @@ def test_a_piece_settles_at_both_ends_and_is_long_enough_or_refused(thinning: in
     assert found.t[0] == pytest.approx(ends, abs=1e-9)
     assert found.t[-1] == pytest.approx((least + 29) / rate - ends, abs=1.5 * thinning / rate)
     assert len(filtered(least + thinning).t) >= 1
-    with pytest.raises(InvalidLog, match=f"of at least {least / rate:.3g} s is needed"):
+    needed = rounded_to_side(least / rate, 3, up=True)
+    with pytest.raises(InvalidLog, match=f"of at least {needed:.3g} s is needed"):
         filtered(least)
 
 

@@ -65,14 +65,14 @@ def _turn(case: SynthesisCase, regime: Regime) -> str | None:
     return (
         f"theta = {format_ascii(most, 'rad')} is required, and with R_pl < R_b every position is "
         f"singular at |theta| = acos(R_pl/R_b), which is below 90 deg; within the ranges of R_pl "
-        f"and R_b it is at most {format_ascii(math.acos(ratio), 'rad')}"
+        f"and R_b it is at most {format_ascii(math.acos(ratio), 'rad', up=False)}"
     )
 
 
 def _needed_offset(case: SynthesisCase, regime: Regime) -> tuple[float, str]:
     """Return the least |R_b - R_pl| of the workspace at theta = 0 [m], and why."""
     far = farthest(case.workspace)
-    found = far, f"the singular circle has to be around {format_ascii(far, 'm')}"
+    found = far, f"the singular circle has to be around {format_ascii(far, 'm', up=True)}"
     for bound in case.requirements.bounds:
         low, high = case.requirements.headings(bound)
         most = bound.high if bound.quantity == "condition" else None
@@ -106,8 +106,8 @@ def _offset(case: SynthesisCase, regime: Regime) -> str | None:
     possible = case.most(f"geometry.{larger}") - case.least(f"geometry.{other}")
     if possible <= least:
         return (
-            f"|R_b - R_pl| has to be above {format_ascii(least, 'm')}: {reason}; within the ranges "
-            f"it is at most {format_ascii(max(possible, 0.0), 'm')}"
+            f"|R_b - R_pl| has to be above {format_ascii(least, 'm', up=True)}: {reason}; within "
+            f"the ranges it is at most {format_ascii(max(possible, 0.0), 'm', up=False)}"
         )
     return _footprint(case, regime, least, reason) or _reach(case, regime, least, reason)
 
@@ -140,9 +140,10 @@ def _footprint(case: SynthesisCase, regime: Regime, offset: float, reason: str) 
         else "R_f >= R_b + D + e, the radius of joint 5"
     )
     return (
-        f"R_f <= {format_ascii(min(limits), 'm')} is required, and it is at least "
-        f"{format_ascii(least, 'm')}: {formula} for a workspace that extends by e from the z-axis, "
-        f"where D = |R_b - R_pl| is at least {format_ascii(offset, 'm')}, as {reason}"
+        f"R_f <= {format_ascii(min(limits), 'm', 6)} is required, and it is at least "
+        f"{format_ascii(least, 'm', up=True)}: {formula} for a workspace that extends by e from "
+        f"the z-axis, where D = |R_b - R_pl| is at least {format_ascii(offset, 'm', up=True)}, as "
+        f"{reason}"
     )
 
 
@@ -153,18 +154,18 @@ def _reach(case: SynthesisCase, regime: Regime, offset: float, reason: str) -> s
     height = case.workspace.size[2] * (0.5 if case.above_guides else 1.0)
     bars = case.most("geometry.crank_length") + case.most("geometry.coupler_length")
     needed = math.hypot(k / (k - 1) * rho, height)
-    text = f"as |R_b - R_pl| is at least {format_ascii(offset, 'm')}: {reason}"
+    text = f"as |R_b - R_pl| is at least {format_ascii(offset, 'm', up=True)}: {reason}"
     if needed >= bars:
         return (
-            f"B4 and B8 together have to be longer than {format_ascii(needed, 'm')}, and are at "
-            f"most {format_ascii(bars, 'm')}, {text}"
+            f"B4 and B8 together have to be longer than {format_ascii(needed, 'm', up=True)}, and "
+            f"are at most {format_ascii(bars, 'm', up=False)}, {text}"
         )
     stroke = case.most(GUIDE)
     if case.guide is Guide.KEPT and case.reference.geometry.guide_stroke is not None:
         stroke = case.reference.geometry.guide_stroke
     if case.guide is Guide.KEPT and rho / (k - 1) > stroke:
         return (
-            f"joint 8 needs a stroke of {format_ascii(rho / (k - 1), 'm')} or more, and has "
-            f"{format_ascii(stroke, 'm')}, {text}"
+            f"joint 8 needs a stroke of {format_ascii(rho / (k - 1), 'm', up=True)} or more, and "
+            f"has {format_ascii(stroke, 'm', up=False)}, {text}"
         )
     return None

@@ -16,7 +16,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import Simulation
 from paminsa_viz.trajectory import simulate as simulate_motion
-from paminsa_viz.units import number
+from paminsa_viz.units import format_value
 
 
 def wanted_job(state: State) -> SimulationJob:
@@ -40,8 +40,9 @@ def run(job: SimulationJob, _: object) -> Simulation:
         model = model.without_friction()
     known = model.payload.mass
     if known + settings.payload_mismatch < 0:
+        least = format_value(-known, "kg", up=True)
         raise InvalidInput(
-            "payload mismatch", f"at least {number(-known)} kg is needed: no payload is left then"
+            "payload mismatch", f"at least {least} is needed: no payload is left then"
         )
     payload = replace(model.payload, mass=known + settings.payload_mismatch)
     return simulate_motion(
