@@ -153,14 +153,25 @@ def check_row(
     item: RequirementCheck, requirements: Requirements, text: Text = requirement_label
 ) -> Row:
     """Return a requirement's verdict, worst value, margin, and the pose of the worst value."""
-    label = item.label
-    if item.requirement is not None:
-        label = text(requirements.bounds[item.requirement])
+    bound = None if item.requirement is None else requirements.bounds[item.requirement]
+    label = item.label if bound is None else text(bound)
     margin = format_value(item.margin, item.unit, 3) if math.isfinite(item.margin) else NONE
     verdict = "holds" if item.holds else item.reason or "broken"
     pose = NONE if item.pose is None else format_pose(item.pose)
-    cells = (label, verdict, format_value(item.value, item.unit), margin, pose)
+    cells = (label, verdict, worst_text(item.value, bound), margin, pose)
     return Row(cells, "plain" if item.holds else "marked")
+
+
+def worst_text(value: float, bound: Requirement | None) -> str:
+    """Return a worst value, rounded toward the end of a bound that it is nearest to, or beyond.
+
+    So it never reads as better than it is. Without a bound it is the least distance to a limit.
+    """
+    if bound is None:
+        return format_value(value, "m", up=False)
+    low = -math.inf if bound.low is None else bound.low
+    high = math.inf if bound.high is None else bound.high
+    return format_value(value, bound.entry.unit, up=high - value < value - low)
 
 
 def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
@@ -292,16 +303,15 @@ def evidence_table(proof: Proof, text: Text = requirement_label) -> Table:
 
 def _worst(item: Evidence) -> str:
     bound = item.requirement
-    unit = "m" if bound is None else bound.entry.unit
     if not math.isfinite(item.margin):
         return ""
     if bound is None:
-        return format_value(item.margin, unit)
+        return worst_text(item.margin, None)
     if math.isnan(item.bound):
-        return f"margin {format_value(item.margin, unit)}"
+        return f"margin {format_value(item.margin, bound.entry.unit, up=False)}"
     proven = item.method is not Method.SAMPLED and item.verdict is Verdict.PROVEN
     sign = ("≤ " if bound.low is None else "≥ ") if proven else ""
-    return sign + format_value(item.bound, unit)
+    return sign + worst_text(item.bound, bound)
 
 
 def check_data(

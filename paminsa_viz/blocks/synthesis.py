@@ -16,6 +16,7 @@ from paminsa_viz.blocks.requirements import (
     headings_text,
     verdict_text,
     workspace_text,
+    worst_text,
 )
 from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.quantities.requirement_text import requirement_label, requirement_text
@@ -24,7 +25,6 @@ from paminsa_viz.synthesis import (
     BoundOutcome,
     Buildability,
     ObjectiveLimit,
-    RelaxedBound,
     SynthesisCase,
     SynthesisResult,
     find_objective,
@@ -135,7 +135,7 @@ def outcomes_table(result: SynthesisResult, text: BoundText = bound_label) -> Ta
         Row(
             (
                 text(one.bound), "active" if one.active else "",
-                *(_value(value, one.bound) for value in (one.value, one.margin)),
+                _worst(one.value, one.bound), _margin(one.margin, one.bound),
             ),
             # One before it is broken already where there is no margin.
             level="none" if math.isnan(one.margin) else "ok" if one.margin >= 0 else "bad",
@@ -337,7 +337,7 @@ def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> li
     found = (
         (
             text(item.bound),
-            _possible(item),
+            _worst(item.nearest, item.bound),
             f"{number(100 * item.change, 3, sign=True)} %",
         )
         for item in possible
@@ -346,21 +346,19 @@ def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> li
     return [Table(("Requirement", "Possible", "Change"), rows(*found), caption)]
 
 
-def _possible(item: RelaxedBound) -> str:
-    """Return the value that a bound would have to have, none that is too strict by rounding."""
-    bound = item.bound
+def _worst(value: float, bound: Requirement | ObjectiveLimit) -> str:
+    """Return a worst value, or what a bound would have to be, none that is too good by rounding."""
+    if not math.isfinite(value):
+        return NONE
     if isinstance(bound, Requirement):
-        return bound.entry.display.format(item.nearest, up=bound.high is not None)
+        return worst_text(value, bound)
     objective = find_objective(bound.objective)
-    return objective.display.format(item.nearest, up=not objective.largest)
+    return objective.display.format(value, up=not objective.largest)
 
 
-def _value(value: float, bound: Requirement | ObjectiveLimit) -> str:
-    if isinstance(bound, Requirement):
-        unit = bound.entry.unit
-    else:
-        unit = find_objective(bound.objective).unit
-    return format_value(value, unit) if math.isfinite(value) else NONE
+def _margin(value: float, bound: Requirement | ObjectiveLimit) -> str:
+    entry = bound.entry if isinstance(bound, Requirement) else find_objective(bound.objective)
+    return entry.display.format(value) if math.isfinite(value) else NONE
 
 
 def lengths_table(before: Design, after: Design, path: str = "") -> Table:

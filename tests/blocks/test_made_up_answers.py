@@ -152,6 +152,28 @@ def test_a_relaxed_bound_is_rounded_to_the_side_on_which_it_helps(value: float) 
     assert stiff.format(12345.6, up=False) == "12.34 N/mm"
 
 
+def test_a_worst_value_never_reads_as_better_than_it_is() -> None:
+    """In the check, in the proof and of the best robot; the verdict is that of the number told."""
+    asked = Requirements((CONDITION, STIFF, BOTH), (-0.1, 0.2), PLACE)
+    proof: Any = SimpleNamespace()
+    for index, value, told in (
+        (0, 8.00004, "8.001"), (0, 7.99996, "8"), (0, 7.12341, "7.124"), (1, 19999.6, "19.99 N/mm"),
+        (1, 20000.4, "20 N/mm"), (2, 12.0001, "12.01 N·m"), (2, -5.00004, "−5.001 N·m"),
+    ):  # fmt: skip
+        bound = asked.bounds[index]
+        margin = float(bound.margin(value))
+        checking = item(requirement=index, value=value, margin=margin, holds=margin >= 0.0)
+        assert words.check_row(checking, asked).cells[2] == told
+        if bound is not BOTH:
+            proof.evidence = [Evidence.of(bound, Method.BISECTION, Verdict.UNDECIDED, margin)]
+            assert cells(words.evidence_table(proof))[0][3] == told
+        outcome = BoundOutcome(bound, value, margin, False)
+        result: Any = SimpleNamespace(outcomes=(outcome,))
+        assert cells(outcomes_table(result))[0][2] == told
+    proof.evidence = [Evidence("reach", Method.CLOSED_FORM, Verdict.PROVEN, 0.0123456)]
+    assert cells(words.evidence_table(proof))[0][3] == "12.34 mm"
+
+
 def test_what_a_proof_rests_on() -> None:
     pose = (0.01, 0.02, 0.1, -0.5)
     evidence = (
