@@ -21,6 +21,9 @@ from typing import Any, Final, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
+PROGRESS: Final = "progress"
+"""Name of the argument by which a function that takes long tells how far it is."""
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -87,7 +90,9 @@ class Kept(Generic[P, R]):
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         user = _user.get()
-        key = (args, tuple(sorted(kwargs.items()))) if kwargs else args
+        # who is told how far the work is changes no result
+        named = tuple(sorted(item for item in kwargs.items() if item[0] != PROGRESS))
+        key = (args, named) if named else args
         found = self._results.get(key)
         if found is None:
             value = self._function(*args, **kwargs)
@@ -139,6 +144,8 @@ class Kept(Generic[P, R]):
 
 def kept(most: int) -> Callable[[Callable[P, R]], Kept[P, R]]:
     """Keep the last results of a function of hashable arguments, which must not be changed.
+
+    A `progress` is no part of the question; it has to be given by name.
 
     Args:
         most: How many are kept for each user.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-__all__ = ["Canceled", "Progress", "go_on", "keep_on"]
+__all__ = ["Canceled", "Progress", "go_on", "keep_on", "of_part"]
 
 
 class Progress(Protocol):
@@ -35,3 +35,12 @@ def keep_on(progress: Progress, done: float, /, **known: Any) -> None:
     """
     if progress(done, **known):
         raise Canceled
+
+
+def of_part(progress: Progress, begin: float, end: float) -> Progress:
+    """Return the progress of a part of work: from begin to end, of 0 to 1, of the whole."""
+
+    def tell(done: float, /, **known: Any) -> bool | None:
+        return progress(begin + (end - begin) * done, **known)
+
+    return tell

@@ -36,6 +36,7 @@ from paminsa_viz.model import (
     resized,
 )
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Canceled, Progress, keep_on
 from paminsa_viz.quantities.requirements import Requirement, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import (
     Buildability,
@@ -50,7 +51,7 @@ from paminsa_viz.synthesis import (
 from paminsa_viz.synthesis.search import result as result_file
 from paminsa_viz.synthesis.search.buildability import best_height
 from paminsa_viz.synthesis.search.evaluation import REFUSED
-from paminsa_viz.synthesis.search.extremes import Extent, Least
+from paminsa_viz.synthesis.search.extremes import Extent, Least, Valued
 from paminsa_viz.synthesis.search.kernels import plate_distance
 from paminsa_viz.synthesis.search.region import SPARSE, Density
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
@@ -235,7 +236,7 @@ def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(
     """Of distances, stiffness and the frequency, which takes longest and has sparse samples."""
     place, looked = "paminsa_viz.synthesis.search.buildability", []
 
-    def least(values: Any, extent: Any, density: Any, *, starts: int) -> Least:
+    def least(values: Any, extent: Any, density: Any, *, starts: int, progress: Any) -> Least:
         of_pairs = values(extent.samples(Density(4, 2, 1, 1))).kind is not None
         looked.append((starts, density, of_pairs))
         return Least(-4e-10, np.array([0.0, 0.0, 0.0, -0.55]))
@@ -259,6 +260,37 @@ def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(
     links, joints = vars(APPENDIX_4.links).values(), vars(APPENDIX_4.joints).values()
     moving = 3 * (sum(links) + sum(joints)) + APPENDIX_4.platform.mass
     assert found.moving_mass == pytest.approx(moving)
+
+
+def test_looking_for_least_values_is_told_of_and_can_be_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Before the samples and each round of all three; a kept answer has nothing to tell."""
+    place = "paminsa_viz.synthesis.search.buildability"
+    told: list[float] = []
+    monkeypatch.setattr(f"{place}.RANDOM", 1)
+    names = ("clearance", "stiffness_horizontal", "frequency_1")
+    slope = dict.fromkeys(names, lambda design, pose: Valued(pose[:, 0] + 1.0))
+    monkeypatch.setattr(f"{place}.OVER_POSES", slope)
+    space = Workspace(WorkspaceShape.CYLINDER, (0.124, 0.124, 0.1), (0.02, 0.0, -0.55))
+
+    def found(ended: int = 0) -> Buildability:
+        told.clear()
+
+        def tell(done: float, /, **_: Any) -> bool:
+            told.append(done)
+            return len(told) == ended
+
+        return buildability(APPENDIX_4, space, (-0.1, 0.1), progress=tell)
+
+    for ended in (1, 30):
+        with pytest.raises(Canceled):
+            found(ended)
+        assert len(told) == ended
+    assert found().stiffness == pytest.approx(1.02 - 0.062)
+    assert told == pytest.approx(np.arange(75) / 75)
+    found()
+    assert not told
 
 
 def test_what_is_out_of_reach_counts_for_nothing() -> None:
@@ -291,9 +323,10 @@ def test_a_reference_is_looked_at_in_the_workspace_of_the_answer(
     """At its own best height, where that is free; where there is no robot, none is."""
     asked: list[tuple[Design, Workspace]] = []
 
-    def note(design: Design, space: Workspace, theta: Any) -> str:
+    def note(design: Design, space: Workspace, theta: Any, *, progress: Progress) -> str:
         assert theta == (-TURN, TURN)
         asked.append((design, space))
+        keep_on(progress, 0.5)
         return "found"
 
     monkeypatch.setattr(result_file, "buildability", note)
@@ -312,6 +345,13 @@ def test_a_reference_is_looked_at_in_the_workspace_of_the_answer(
     assert best != placed
     assert asked == [(longer, placed), (APPENDIX_4, best if height is None else placed)]
     assert replace(found, poses=0).buildability is None
+    told: list[float] = []
+    again = replace(found)
+    again.check_buildability(lambda done, /, **_: told.append(done))
+    assert told == [0.25, 0.75]
+    count = len(asked)
+    assert again.buildability == ("found", "found")  # kept with the answer
+    assert len(asked) == count
 
 
 @pytest.mark.parametrize("knee", KneeBranch)

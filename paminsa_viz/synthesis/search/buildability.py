@@ -18,6 +18,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.reach import check_reach
+from paminsa_viz.progress import Progress, go_on, of_part
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.search.extremes import OVER_POSES, Extent, Valued, least_over
 from paminsa_viz.synthesis.search.objectives import legs_and_platform
@@ -88,7 +89,9 @@ def best_height(design: Design, workspace: Workspace, theta: Range) -> Workspace
 
 @of_design
 @kept(16)
-def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildability:
+def buildability(
+    design: Design, workspace: Workspace, theta: Range, *, progress: Progress = go_on
+) -> Buildability:
     """Return whether a robot can be built as it is drawn, and how stiff it is.
 
     It is kept: a search, its prices and its report ask for the same reference again.
@@ -97,13 +100,17 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
         design: The robot.
         workspace: The workspace, its height known.
         theta: Least and largest heading [rad].
+        progress: Called while extremes are looked for.
+
+    Raises:
+        Canceled: If ``progress`` ends it.
     """
     extent, geometry = Extent(workspace, theta), design.geometry
     pose = extent.random(RANDOM)
     reach = check_reach(geometry, pose).ok
     overlaps = clearance(design, pose[reach]).least < 0
 
-    def least(quantity: str, starts: int) -> tuple[float, Array]:
+    def least(quantity: str, starts: int, before: int) -> tuple[float, Array]:
         def values(poses: Array) -> Valued:
             found = OVER_POSES[quantity](design, poses)
             return found._replace(
@@ -111,12 +118,13 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
             )
 
         density = SPARSE.finer(2 if starts > 2 else 1)
-        found = least_over(values, extent, density, starts=starts)
+        part = of_part(progress, before / 3, (before + 1) / 3)
+        found = least_over(values, extent, density, starts=starts, progress=part)
         # rounding is no overlap
         value = round(found.value, 9) + 0.0 if np.isfinite(found.value) else np.nan
         return value, found.pose
 
-    apart, worst = least("clearance", 6)
+    apart, worst = least("clearance", 6, 0)
     bodies = ("", "")
     if np.isfinite(apart):
         found = clearance(design, worst)
@@ -132,8 +140,8 @@ def buildability(design: Design, workspace: Workspace, theta: Range) -> Buildabi
         bodies=bodies,
         worst=worst,
         overlapping=float(overlaps.mean()) if len(overlaps) else float("nan"),
-        stiffness=least("stiffness_horizontal", 4)[0],
-        frequency=least("frequency_1", 1)[0],
+        stiffness=least("stiffness_horizontal", 4, 1)[0],
+        frequency=least("frequency_1", 1, 2)[0],
         guide=geometry.guide_link_length,
         needed_guide=float(needed_guide(ranges.rho_most / (k - 1))[0]),
         shaft=geometry.shaft_length,

@@ -20,6 +20,7 @@ from paminsa_viz.clearance import clearance
 from paminsa_viz.elastostatics import first_frequencies, platform_stiffness
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.quantities.requirements import Range, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.search.region import SPARSE, Density, center, sample
 from paminsa_viz.synthesis.volume.margins import Columns
@@ -157,6 +158,7 @@ def least_over(
     density: Density,
     *,
     starts: int = STARTS,
+    progress: Progress = go_on,
 ) -> Least:
     """Return the least value over a workspace, found by samples and a pattern search.
 
@@ -166,7 +168,12 @@ def least_over(
         extent: The poses.
         density: How close the samples lie.
         starts: Worst samples that the pattern search goes on from; 0 for samples alone.
+        progress: Called before the samples and each round.
+
+    Raises:
+        Canceled: If ``progress`` ends it.
     """
+    keep_on(progress, 0.0)
     pose = extent.samples(density)
     found, kind = values(pose)
     order = np.argsort(found, kind="stable")
@@ -184,7 +191,8 @@ def least_over(
     # first as far as to the next sample
     scale = extent.scale / np.array([2.0, 2.0, density.theta - 1.0, density.z - 1.0]).clip(1.0)
     step, rows = np.ones((len(pose), 1, 1)), np.arange(len(pose))
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
+        keep_on(progress, (1 + turn) / (1 + ROUNDS))
         near = extent.clipped(pose[:, None, :] + step * directions * scale)
         tried = values(near.reshape(-1, 4)).value.reshape(len(pose), -1)
         best = np.argmin(tried, axis=1)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress, go_on, of_part
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.proof.evidence import Proof
@@ -103,16 +104,30 @@ class SynthesisResult:
         """Whether the robot can be built as drawn, and the reference; None without a robot.
 
         Of the reference in the same workspace, at its own best height where that is free. It is
-        worked out when it is first asked for, which takes about a second.
+        worked out when it is first asked for, which takes about a second, or before that by
+        `check_buildability`.
         """
+        return self._buildability(go_on)
+
+    def check_buildability(self, progress: Progress) -> None:
+        """Work out `buildability`.
+
+        Raises:
+            Canceled: If ``progress`` ends it.
+        """
+        vars(self)["buildability"] = self._buildability(progress)  # where `cached_property` looks
+
+    def _buildability(self, progress: Progress) -> tuple[Buildability, Buildability] | None:
         if not self.poses:
             return None
         theta, held, space = self.case.requirements.theta, self.case.reference, self.workspace
         if self.case.workspace.center[2] is None:
             space = best_height(held, space, theta)
+        own, rest = of_part(progress, 0.0, 0.5), of_part(progress, 0.5, 1.0)
         return (
-            buildability(self.design, self.workspace, theta), buildability(held, space, theta)
-        )  # fmt: skip
+            buildability(self.design, self.workspace, theta, progress=own),
+            buildability(held, space, theta, progress=rest),
+        )
 
 
 def limit_of(bound: Requirement | ObjectiveLimit, value: float = math.nan) -> float:

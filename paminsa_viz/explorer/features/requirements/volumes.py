@@ -14,7 +14,7 @@ from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.state.requirements import VolumeJob, VolumeOutcome, VolumeResult
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.progress import Canceled, Progress
+from paminsa_viz.progress import Canceled, Progress, of_part
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
@@ -33,11 +33,11 @@ def find_volume(job: VolumeJob, progress: Progress) -> VolumeResult:
     try:
         volume = solve_volume(
             job.design, job.requirements, resolution=FINE if job.fine else COARSE,
-            progress=lambda done, /, **_: progress(VOLUME_SHARE * done),
+            progress=of_part(progress, 0.0, VOLUME_SHARE),
         )  # fmt: skip
         check = check_requirements(
             job.design, job.requirements, fine=job.fine, volume=volume,
-            progress=lambda done, /, **_: progress(VOLUME_SHARE + (1 - VOLUME_SHARE) * done),
+            progress=of_part(progress, VOLUME_SHARE, 1.0),
         )  # fmt: skip
     except Canceled:
         raise PaminsaError("canceled") from None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from paminsa_viz.explorer.state.synthesis import (
     SynthesisJob,
 )
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.progress import Progress
+from paminsa_viz.progress import Progress, of_part
 from paminsa_viz.studies.executors import Workers, here, processes
 from paminsa_viz.synthesis.answer.checks import AnswerMargins, BuildYield, build_yield
 from paminsa_viz.synthesis.search.evaluation import Evaluator
@@ -40,8 +40,9 @@ POINTS = 6
 BUILT = 200
 """Robots built within tolerances that are measured."""
 
-SEARCH_SHARE = 0.9
-"""Part of a job that the search takes; the tolerances take the rest."""
+SEARCH_SHARE, BUILDABLE_SHARE = 0.9, 0.05
+"""Parts of a job that the search takes, and whether robots can be built; tolerances take the
+rest."""
 
 STOPPED = "Stopped before a robot was found."
 
@@ -73,7 +74,7 @@ class ProgressReport:
         if searches != self._search:  # another objective or limit
             self._search, self._best = searches, (math.inf, BestSoFar())
         self._trials[searches] = state.trials
-        return self._tell(state, done, one_objective=False)
+        return self._tell(state, SEARCH_SHARE * done, one_objective=False)
 
     def __call__(self, done: float, /, *, state: RegimeState, **_: Any) -> bool | None:
         """Take over how far a search is; return whether to stop."""
@@ -122,18 +123,36 @@ def search(job: SynthesisJob, progress: Progress) -> SearchResult:
     with workers_for(job.effort) as workers:
         shown = ProgressReport(job, progress)
         if job.against:
-            return find_front(job, workers, shown)
+            return find_front(job, workers, shown, progress)
         answer = synthesize(job.case, workers=workers, progress=shown)
         if answer.canceled and answer.regime is None:
             raise PaminsaError(STOPPED)
-        _ = answer.buildability  # worked out here, and kept with the answer
+        check_buildable([answer], progress)
         built = None
-        if answer.feasible and not progress(SEARCH_SHARE):
+        if answer.feasible and not progress(SEARCH_SHARE + BUILDABLE_SHARE):
             built = tolerances(answer, workers, progress)
     return SearchResult(answer, built)
 
 
-def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> SearchResult:
+def check_buildable(results: Sequence[SynthesisResult], progress: Progress) -> None:
+    """Work out whether robots can be built, which is kept with them.
+
+    Of the best robot of a search that is stopped too; what is not wanted at all any more, its
+    progress ends by an exception.
+    """
+
+    def tell(done: float, /, **_: Any) -> None:
+        progress(done)
+
+    share = BUILDABLE_SHARE / len(results)
+    for index, result in enumerate(results):
+        begin = SEARCH_SHARE + share * index
+        result.check_buildability(of_part(tell, begin, begin + share))
+
+
+def find_front(
+    job: SynthesisJob, workers: Workers, shown: ProgressReport, progress: Progress
+) -> SearchResult:
     """Search for the Pareto front of two objectives.
 
     Raises:
@@ -148,8 +167,7 @@ def find_front(job: SynthesisJob, workers: Workers, shown: ProgressReport) -> Se
     if not front.points:
         problem = "No robot meets all requirements; search one objective alone for the reasons."
         raise PaminsaError(STOPPED if front.canceled else problem)
-    for point in front.points:
-        _ = point.result.buildability
+    check_buildable([point.result for point in front.points], progress)
     return SearchResult(front.points[0].result, front=front)
 
 
@@ -163,10 +181,7 @@ def find_prices(job: PriceJob, progress: Progress) -> tuple[RequirementPrice, ..
 
 def tolerances(result: SynthesisResult, workers: Workers, progress: Progress) -> BuildYield:
     """Return which part of the robots built within tolerances meets the requirements."""
-
-    def rest(done: float, /, **_: Any) -> bool | None:
-        return progress(SEARCH_SHARE + (1 - SEARCH_SHARE) * done)
-
+    rest = of_part(progress, SEARCH_SHARE + BUILDABLE_SHARE, 1.0)
     return build_yield(
         result.design, AnswerMargins.of(result), samples=BUILT, workers=workers,
         seed=result.case.seed, progress=rest,

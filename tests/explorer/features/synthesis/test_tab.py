@@ -118,6 +118,8 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     outcome = solve(search, job, report)
     assert outcome.problem == ""
     assert done == sorted(done)
+    # looking at whether it can be built is told of too
+    assert sum(solving.SEARCH_SHARE < part < done[-1] for part in done) > 50
     assert seen
     state = delivered(actions.SEARCH, told(started, seen[-1]), outcome)
     found = outcome.result.answer  # type: ignore[union-attr]
