@@ -19,6 +19,7 @@ from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
 from paminsa_viz.identification.filtering import filter_log
 from paminsa_viz.identification.log import make_log
 from paminsa_viz.model import APPENDIX_4, home_pose, inverse_kinematics
+from paminsa_viz.progress import go_on
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Guide, ObjectiveLimit, Regime, SearchRange, SynthesisCase, refusal
 from paminsa_viz.trajectory import Trajectory
@@ -114,7 +115,7 @@ def payload(kilograms: float) -> None:
     rest = np.zeros((2, 4))
     still = Trajectory(np.array([0.0, 0.01]), rest + home_pose(APPENDIX_4.geometry), rest, rest)
     design = APPENDIX_4.vary({"payload.mass": 1.234567})
-    simulate(make_job(design, still, SimulationSettings(payload_mismatch=kilograms)), None)
+    simulate(make_job(design, still, SimulationSettings(payload_mismatch=kilograms)), go_on)
 
 
 def backlash(degrees: float) -> None:

@@ -64,6 +64,9 @@ LEAST_REACH = 0.02
 LEAST_GAIN = 1e-4
 """Change of log det by which a stage ends."""
 
+EVALUATIONS_A_REPORT = 4
+"""Evaluations between two reports of how far the search is: a third of a second or so."""
+
 CHUNK = 32
 """Motions looked at in one batch."""
 
@@ -289,7 +292,7 @@ class Search:
         spent = time.monotonic() - self._begin
         shares = spent / max(settings.seconds, 1e-9), self.evaluations / settings.evaluations
         done = max(shares)
-        if self.evaluations % 10 == 0:
+        if self.evaluations % EVALUATIONS_A_REPORT == 0:
             keep_on(self._progress, min(done, 1.0))
         if done >= 1.0:
             raise Canceled

@@ -26,6 +26,7 @@ from paminsa_viz.model.dynamics import forward_dynamics, mass_matrix
 from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.trajectory.check import (
     GUIDES,
     PassageWindow,
@@ -128,6 +129,7 @@ _TOLERANCE = 1e-8  # relative error of a step that the solver aims at
 _NEAR = 1e-2  # margin below which a solver that gives up has come to a limit [m]
 _MOST_EVALUATIONS = 100_000
 _MOST_A_SECOND = 20_000
+_CALLS_A_REPORT = 2_000  # evaluations between two reports: a tenth of a second or so
 """How often the equations may be evaluated, and how often more for a second of the motion.
 
 Ten times what the default gains need; much higher gains would take too long.
@@ -226,6 +228,7 @@ def simulate(
     offset: ArrayLike = (0.0, 0.0, 0.0, 0.0),
     clearance: float | None = None,
     tolerance: float = _TOLERANCE,
+    progress: Progress = go_on,
 ) -> Simulation:
     """Let a controller drive a robot along a trajectory.
 
@@ -244,8 +247,10 @@ def simulate(
         offset: (4,) pose error at the start [m, m, rad, m].
         clearance: Least distance from singular positions [m]; `singular_clearance` if None.
         tolerance: Relative error of a step.
+        progress: Called now and then.
 
     Raises:
+        Canceled: If ``progress`` ends it.
         ImpossibleTrajectory: If the robot cannot run the trajectory at all.
         InvalidInput: If the model's geometry is another, the start with its offset is out of
             reach, the tolerance is not positive, or nothing of the robot has inertia in some
@@ -287,7 +292,10 @@ def simulate(
     calls = count(1)
 
     def bounded(t: float, state: Array) -> Array:
-        if next(calls) > most:
+        call = next(calls)
+        if call % _CALLS_A_REPORT == 0:
+            keep_on(progress, float((t - trajectory.t[0]) / trajectory.duration))
+        if call > most:
             raise SimulationFailed(
                 t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
                 f"Coulomb friction would make it easier",

@@ -299,13 +299,13 @@ def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
     assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0
 
 
-def test_a_search_says_every_ten_evaluations_how_much_of_its_budget_is_spent() -> None:
+def test_a_search_says_every_four_evaluations_how_much_of_its_budget_is_spent() -> None:
     """Of evaluations or of the time, of which more is spent; and begins with no motion at all."""
     info = information(samples=64)
 
     def shares(seconds: float, begin: float = 0.0) -> list[float]:
         found: list[float] = []
-        settings = ExcitationSettings(period=PERIOD, evaluations=25, seconds=seconds, random=1)
+        settings = ExcitationSettings(period=PERIOD, evaluations=10, seconds=seconds, random=1)
         search = Search(info, settings, time.monotonic() - begin, lambda done: found.append(done))
         assert not search.best.any()
         assert search.best_value == -np.inf

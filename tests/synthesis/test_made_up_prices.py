@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.progress import Progress, keep_on
 from paminsa_viz.synthesis import Effort, Regime, SynthesisResult, synthesize
 from paminsa_viz.synthesis.answer import prices
 from paminsa_viz.synthesis.answer.prices import Requirable, requirement_prices
@@ -55,7 +56,11 @@ def made_up(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     result = replace(result, feasible=True, regime=Regime.SMALLER)
     found = MadeUp(result, [], [], sign)
 
-    def refined(case: Any, regime: Regime, numbers: list[float], *, rounds: int, workers: Any):
+    def refined(
+        case: Any, regime: Regime, numbers: list[float], *, rounds: int, workers: Any,
+        progress: Progress,
+    ) -> Any:  # fmt: skip
+        keep_on(progress, 0.5)
         found.asked.append((numbers, rounds))
         assert regime is Regime.SMALLER
         return SimpleNamespace(objective=sign * getattr(case, "optimum", found.base))
@@ -106,7 +111,9 @@ def test_a_price_is_the_slope_of_the_optimum_against_the_bound(made_up: MadeUp) 
     order = sorted(price, key=lambda label: -np.nan_to_num(price[label]) * step[label])
     assert [row.label for row in found][:7] == order[:7]
     assert {row.label for row in found[7:]} == {"no way", "free"}
-    assert parts == pytest.approx([(n + 1) / 9 for n in range(9)])
+    # halfway in each of 19 searches but the impossible one, and after each requirement
+    halves = [0.5 + n for n in range(19) if n != 7]
+    assert 19 * np.array(parts) == pytest.approx(sorted([*halves, *range(3, 20, 2)]))
 
 
 def test_what_costs_nothing_is_within_a_share_of_the_optimum_of_either_sign(
@@ -130,7 +137,9 @@ def test_each_search_starts_at_the_answer_within_its_ranges(made_up: MadeUp) -> 
     ((low, high),) = result.case.bounds
     made_up.add("moved", 2.0, 1.0, lambda v: BASE)
     made_up.add("never asked", 2.0, 1.0, lambda v: BASE)
-    (row,) = requirement_prices(result, step=0.5, progress=lambda done: True)
+    assert requirement_prices(result, progress=lambda done: done > 0.2) == ()  # half of "moved"
+    made_up.asked.clear()
+    (row,) = requirement_prices(result, step=0.5, progress=lambda done: done > 0.55)
     assert row.label == "moved"
     shifts = (0.0, 0.6, 0.2)  # of the made-up cases' ranges, the tightened one first
     expected = [[min(max(number, low + by), high + by)] for by in shifts]

@@ -273,7 +273,9 @@ def test_a_refinement_ends_where_a_round_gains_less_than_its_share(
     def play(costs: list[float]) -> int:
         asked.clear()
 
-        def one(evaluator: Any, state: RegimeState, workers: Any, *, generations: int) -> Any:
+        def one(
+            evaluator: Any, state: RegimeState, workers: Any, progress: Any, *, generations: int
+        ) -> Any:
             asked.append((state, generations))
             return replace(state, history=(*state.history, costs[len(asked) - 1]), best=(0.5,) * 6)
 

@@ -32,6 +32,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.singularity import singular_rotation
+from paminsa_viz.progress import Canceled
 from paminsa_viz.trajectory import (
     PRESET,
     SINGULAR_CLEARANCE,
@@ -252,6 +253,17 @@ def test_as_many_evaluations_as_are_allowed_are_made_and_no_more(monkeypatch) ->
     monkeypatch.setattr(f"{place}._MOST_EVALUATIONS", needed - 7)
     with pytest.raises(SimulationFailed, match=f"more than {needed - 1:,} evaluations"):
         simulate(APPENDIX_4, SHORT)
+
+
+def test_a_simulation_tells_how_far_it_is_and_can_be_ended(monkeypatch) -> None:
+    monkeypatch.setattr("paminsa_viz.trajectory.simulation._CALLS_A_REPORT", 50)
+    told = []
+    assert run(progress=lambda done: told.append(done)).stopped is None
+    assert told == sorted(told)
+    assert 0 <= told[0] < 0.2
+    assert 0.8 < told[-1] <= 1
+    with pytest.raises(Canceled):
+        run(progress=lambda done: done > 0.3)
 
 
 def test_impossible_simulations_are_rejected() -> None:

@@ -8,13 +8,14 @@ answer with the requirement tightened and relaxed by a step; the price is the sl
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.progress import Progress, go_on
+from paminsa_viz.progress import Canceled, Progress, go_on, keep_on, of_part
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.search.case import SynthesisCase
 from paminsa_viz.synthesis.search.objectives import find_objective
@@ -88,7 +89,8 @@ def requirement_prices(
         step: How far each is moved to either side, as a share of its bound.
         rounds: Most rounds of each search, see `search.outer.refined`.
         workers: Where trials are computed; the result is the same.
-        progress: Called after each requirement; true ends it with those done.
+        progress: Called after each requirement, and while each is searched; true ends it with
+            those done.
 
     Returns:
         The prices, those first whose step changes the optimum most.
@@ -99,34 +101,37 @@ def requirement_prices(
     numbers = numbers_of(case, result.design, result.workspace)
     sign = find_objective(case.objective).sign
 
-    def best(trial: SynthesisCase) -> float:
+    items = list(_requirables(result, numbers))
+    total = 1 + 2 * len(items)
+
+    def best(trial: SynthesisCase, before: int) -> float:
         near = np.clip(numbers, *trial.bounds.T)
-        found = refined(trial, regime, near.tolist(), rounds=rounds, workers=workers)
+        part = of_part(progress, before / total, (before + 1) / total)
+        found = refined(trial, regime, near.tolist(), rounds=rounds, workers=workers, progress=part)
         return sign * found.objective
 
-    items = list(_requirables(result, numbers))
-    base = best(case) if items else np.nan
     prices = []
-    for number, item in enumerate(items):
-        size = step * (abs(item.bound) or 1.0)
-        ends = []
-        for side in (item.tighter, -item.tighter):
-            try:
-                ends.append(best(item.moved(item.bound + side * size)))
-            except ValueError:  # no such case: an empty range, a workspace of no size
-                ends.append(np.nan)
-        high, low = (base if np.isnan(end) else end for end in ends)
-        width = size * np.count_nonzero(~np.isnan(ends))
-        still = abs(high - low) <= STILL * abs(base)
-        price = np.nan if not width else 0.0 if still else (high - low) / width
-        tightened, relaxed = (sign * end for end in ends)
-        prices.append(
-            RequirementPrice(
-                item.label, item.unit, item.bound, size, tightened, relaxed, float(price)
+    with suppress(Canceled):
+        base = best(case, 0) if items else np.nan
+        for before, item in zip(range(1, total, 2), items, strict=True):
+            size = step * (abs(item.bound) or 1.0)
+            ends = []
+            for turn, side in enumerate((item.tighter, -item.tighter)):
+                try:
+                    ends.append(best(item.moved(item.bound + side * size), before + turn))
+                except ValueError:  # no such case: an empty range, a workspace of no size
+                    ends.append(np.nan)
+            high, low = (base if np.isnan(end) else end for end in ends)
+            width = size * np.count_nonzero(~np.isnan(ends))
+            still = abs(high - low) <= STILL * abs(base)
+            price = np.nan if not width else 0.0 if still else (high - low) / width
+            tightened, relaxed = (sign * end for end in ends)
+            prices.append(
+                RequirementPrice(
+                    item.label, item.unit, item.bound, size, tightened, relaxed, float(price)
+                )
             )
-        )
-        if progress((number + 1) / len(items)):
-            break
+            keep_on(progress, (before + 2) / total)
     return tuple(sorted(prices, key=lambda p: -abs(np.nan_to_num(p.price)) * p.step))
 
 

@@ -223,6 +223,7 @@ def refined(
     *,
     rounds: int = 4,
     workers: Workers = here,
+    progress: Progress = go_on,
 ) -> TrialEvaluation:
     """Return the best robot near some numbers, by a few rounds of the same search.
 
@@ -232,14 +233,22 @@ def refined(
         numbers: Where to start, in the order of the case's paths [SI].
         rounds: Most rounds of `STEP` generations; it ends when one makes no progress.
         workers: Where trials are computed.
+        progress: Called after each generation.
+
+    Raises:
+        Canceled: If ``progress`` ends it.
     """
+
+    def tell(_: float, /, *, state: RegimeState, **_known: Any) -> bool | None:
+        return progress((state.generation - late) / (STEP * rounds))
+
     evaluator = Evaluator(case, regime)
     # as late in the search as trials are made from the best as well
     late = int(np.ceil(EXPLORE * case.effort.generations))
     state = RegimeState(regime, late, population=cloud(case, [numbers]))
     for _ in range(rounds):
         before = state.cost
-        state = search_round(evaluator, state, workers, generations=STEP)
+        state = search_round(evaluator, state, workers, tell, generations=STEP)
         if before - state.cost <= 0.1 * PROGRESS * abs(state.cost):
             break
     return evaluator.evaluate(np.array([state.best]))[0]

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.simulation import SimulationJob, make_job
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import Simulation
 from paminsa_viz.trajectory import simulate as simulate_motion
 from paminsa_viz.units import format_value
@@ -29,7 +30,7 @@ def wanted_job(state: State) -> SimulationJob:
     return make_job(state.document.design, planned(state).trajectory, settings)
 
 
-def run(job: SimulationJob, _: object) -> Simulation:
+def run(job: SimulationJob, progress: Progress) -> Simulation:
     """Simulate.
 
     Raises:
@@ -48,6 +49,7 @@ def run(job: SimulationJob, _: object) -> Simulation:
     return simulate_motion(
         replace(job.design, payload=payload), job.trajectory, model=model,
         controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),
+        progress=progress,
     )  # fmt: skip
 
 
