@@ -7,7 +7,8 @@ turns by theta, one joint each. What is left open, joints 2, 3 and 5 of each leg
 closures in the table: joint values that satisfy them are those of the robot. (Joint 2 could be
 mimicked, too, but Pinocchio reads no joint that follows one of another branch.)
 
-Bodies are those of `rigid_bodies`; drives, friction and gravity have no place in a URDF.
+Bodies are those of `rigid_bodies`. Of drives there is their largest torque or force and speed;
+their inertia, friction and gravity have no place in a URDF.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from paminsa_viz.engines.mechanism import (
     POSE_JOINTS,
     Joint,
     Link,
+    MechanismTree,
     Part,
     Point,
     as_cylinder,
@@ -43,7 +45,7 @@ from paminsa_viz.version import MADE_BY
 BASE = "base"
 
 MOST_EFFORT, MOST_SPEED = 1000.0, 10.0
-"""Limits of sliding joints, which the format demands and the design does not know [N], [m/s].
+"""Limits of sliding joints, which the format demands and a design may not know [N], [m/s].
 
 `docs/machine.md` states them.
 """
@@ -68,7 +70,7 @@ def urdf_text(design: Design) -> str:
     """
     mechanism = build_mechanism(design)
     bodies = rigid_bodies(mechanism)
-    mimics = _mimics()
+    mimics, limits = _mimics(), _limits(design, mechanism)
     reach = 2 * (workspace_radius(design.geometry) + workspace_height(design.geometry))
     robot = ET.Element("robot", name="PAMINSA")
     about = f"written by {MADE_BY}; loops are in a table of their own"
@@ -76,12 +78,12 @@ def urdf_text(design: Design) -> str:
     _add(robot, "link", name=BASE)
     for link in map(_hung, mechanism.links):
         if link.name == PLATFORM:
-            _add_platform(robot, link, bodies[PLATFORM], reach)
+            _add_platform(robot, link, bodies[PLATFORM], reach, limits)
             continue
         _add_link(robot, link, bodies[link.name])
         (joint,) = link.joints
         place = link.place, (0.0, 0.0, link.heading)
-        _add_joint(robot, joint, link.parent or BASE, link.name, *place, reach, mimics)
+        _add_joint(robot, joint, link.parent or BASE, link.name, *place, reach, limits, mimics)
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -127,6 +129,22 @@ def _mimics() -> dict[str, tuple[str, float]]:
     return found
 
 
+def _limits(design: Design, mechanism: MechanismTree) -> dict[str, tuple[float, float]]:
+    """Return effort and speed of each joint that has limits: slides, and what a drive moves.
+
+    The format has no joint with only one of them: a drive of a hinge without one limits nothing.
+    """
+    joints = (joint for link in mechanism.links for joint in link.joints)
+    found = {joint.name: (MOST_EFFORT, MOST_SPEED) for joint in joints if joint.kind == "slide"}
+    for name, own in zip(mechanism.actuated, design.output_limits, strict=True):
+        effort, speed = found.get(name, (math.inf, math.inf))
+        effort = own.peak if math.isfinite(own.peak) else effort
+        speed = own.speed if math.isfinite(own.speed) else speed
+        if math.isfinite(effort) and math.isfinite(speed):
+            found[name] = effort, speed
+    return found
+
+
 def _add(parent: ET.Element, tag: str, **attributes: object) -> ET.Element:
     return ET.SubElement(parent, tag, {key: _text(value) for key, value in attributes.items()})
 
@@ -139,7 +157,10 @@ def _text(value: object) -> str:
     return repr(float(value) + 0.0)  # type: ignore[arg-type]
 
 
-def _add_platform(robot: ET.Element, link: Link, body: Part, reach: float) -> None:
+def _add_platform(
+    robot: ET.Element, link: Link, body: Part, reach: float,
+    limits: dict[str, tuple[float, float]],
+) -> None:  # fmt: skip
     """Add the platform behind a chain of its four joints, with empty links between them."""
     joints = {joint.name: joint for joint in link.joints}
     before = BASE
@@ -152,7 +173,7 @@ def _add_platform(robot: ET.Element, link: Link, body: Part, reach: float) -> No
             _add_link(robot, link, body)
         else:
             _add_inertial(_add(robot, "link", name=after), empty)
-        _add_joint(robot, joints[name], before, after, ORIGIN, ORIGIN, reach, {})
+        _add_joint(robot, joints[name], before, after, ORIGIN, ORIGIN, reach, limits, {})
         before = after
 
 
@@ -190,7 +211,7 @@ def _angles(turn: Rotation) -> list[float]:
 
 def _add_joint(
     robot: ET.Element, joint: Joint, parent: str, child: str, place: Point, turn: Point,
-    reach: float, mimics: dict[str, tuple[str, float]],
+    reach: float, limits: dict[str, tuple[float, float]], mimics: dict[str, tuple[str, float]],
 ) -> None:  # fmt: skip
     kind = "continuous" if joint.kind == "hinge" else "prismatic"
     element = _add(robot, "joint", name=joint.name, type=kind)
@@ -198,8 +219,10 @@ def _add_joint(
     _add(element, "parent", link=parent)
     _add(element, "child", link=child)
     _add(element, "axis", xyz=joint.axis)
-    if joint.kind == "slide":
-        _add(element, "limit", lower=-reach, upper=reach, effort=MOST_EFFORT, velocity=MOST_SPEED)
+    if joint.name in limits:
+        ends = {"lower": -reach, "upper": reach} if joint.kind == "slide" else {}
+        effort, velocity = limits[joint.name]
+        _add(element, "limit", **ends, effort=effort, velocity=velocity)
     if joint.name in mimics:
         followed, factor = mimics[joint.name]
         _add(element, "mimic", joint=followed, multiplier=factor, offset=0)

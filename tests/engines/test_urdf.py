@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from paminsa_viz.engines.mechanism import build_mechanism
 from paminsa_viz.engines.poses import start_values, world_frames
 from paminsa_viz.engines.urdf import _text, closure_table, urdf_text
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.reach import home_pose
 from tests.support import samples
 
 EACH = samples.each_robot((7,))
@@ -33,6 +36,42 @@ def read(pin: Any, design: Design, pose: Any) -> tuple[Any, Any]:
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
     return model, data
+
+
+def test_actuated_joints_have_the_limits_of_their_drives() -> None:
+    """Through gear and screw, with their losses; what no drive limits is as without drives."""
+    rotary = Drive(
+        gear_ratio=50.0, efficiency=0.8, top_speed=300.0,
+        envelope=((0.0, 2.0), (200.0, 2.0), (400.0, 0.5)),
+    )  # fmt: skip
+    weak_gear = replace(rotary, gear_peak_torque=70.0, gear_top_speed=250.0)
+    screw = Drive(gear_ratio=2.0, peak_torque=1.5, transmission="screw", lead=0.01)
+    design = replace(
+        APPENDIX_4, drives=(rotary, weak_gear, replace(rotary, top_speed=None, envelope=()), screw)
+    )
+
+    def limits(design: Design) -> dict[str, dict[str, float]]:
+        joints = ET.fromstring(urdf_text(design)).iter("joint")
+        return {
+            joint.attrib["name"]: {key: float(value) for key, value in limit.attrib.items()}
+            for joint in joints
+            for limit in joint.iter("limit")
+        }
+
+    bare, found = limits(APPENDIX_4), limits(design)
+    m1, m2, m3, m4 = build_mechanism(design).actuated
+    assert found.pop(m1) == pytest.approx({"effort": 80.0, "velocity": 6.0})
+    assert found.pop(m2) == pytest.approx({"effort": 70.0, "velocity": 5.0})
+    assert m3 not in found  # without peak and top speed
+    force = 1.5 * 2.0 * 2 * np.pi / 0.01
+    assert found.pop(m4) == pytest.approx(bare.pop(m4) | {"effort": force})
+    assert found == bare
+    pin = pytest.importorskip("pinocchio", reason="pinocchio comes with the extra 'verify'")
+    model, _ = read(pin, design, home_pose(design.geometry))
+    joint = model.joints[model.getJointId(m1)]
+    assert joint.nq == 2  # a turn has no end
+    assert model.effortLimit[joint.idx_v] == pytest.approx(80.0)
+    assert model.velocityLimit[joint.idx_v] == pytest.approx(6.0)
 
 
 @pytest.mark.slow
