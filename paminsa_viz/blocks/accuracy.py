@@ -9,12 +9,11 @@ from typing import Any, SupportsFloat
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.blocks.data import record, robot
+from paminsa_viz.blocks.data import POSITION_KEYS, record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, shown
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.precision.drive_errors import DriveErrors
 from paminsa_viz.precision.error_rows import (
     STATISTICS_OF,
@@ -240,8 +239,8 @@ def accuracy_data(
     names = ("median", "p95", "largest")
     return {
         **robot(design),
-        "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
-        "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
+        "half_widths": dict(zip(POSITION_KEYS, design.accuracy.half_widths, strict=True)),
+        "deviations": dict(zip(POSITION_KEYS, design.accuracy.deviations, strict=True)),
         "pose": here.pose,
         "bounded": here.ok,
         "reason": here.reason(),

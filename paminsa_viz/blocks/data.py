@@ -17,6 +17,10 @@ UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "kg_m2", "W", "J", "
 """Endings of keys in JSON that name the unit of a value, or its confidence [%]."""
 
 
+POSITION_KEYS = ("M1_rad", "M2_rad", "M3_rad", "M4_m")
+"""Keys in JSON of positions of the actuators, or of what they are off by."""
+
+
 def record(result: object, *keys: str) -> dict[str, Any]:
     """Return attributes of a result for JSON, by keys that end in the unit of the value.
 

@@ -255,7 +255,7 @@ def motion_data(found: MotionLoads) -> dict[str, Any]:
                         "peak_t_s": found.peak_time[leg, index],
                         "rms_N": found.rms[leg, index],
                         "equivalent_N": found.equivalent[leg, index],
-                        "travel": found.travel[leg, index],
+                        f"travel_{'rad' if joint.turning else 'm'}": found.travel[leg, index],
                     }
                     for index, joint in enumerate(JOINTS)
                 },

@@ -36,6 +36,7 @@ from paminsa_viz.units import (
     interval_text,
     number,
     rounded_to_side,
+    si_unit,
 )
 
 TIME_LIMIT = 10.0
@@ -331,7 +332,8 @@ def check_data(
                 if item.requirement is None
                 else requirement_text(bounds[item.requirement]),
                 "worst": item.value,
-                **record(item, "unit", "margin", "pose", "holds", "reason"),
+                "unit": si_unit(item.unit),
+                **record(item, "margin", "pose", "holds", "reason"),
             }
             for item in found.items
         ],
@@ -474,6 +476,7 @@ def proof_data(proof: Proof) -> dict[str, Any]:
                 "requirement": _evidence_text(item),
                 "method": item.method.name.lower(),
                 "verdict": item.verdict.name.lower(),
+                "unit": "m" if item.requirement is None else si_unit(item.requirement.entry.unit),
                 **record(item, "margin", "pose", "boxes"),
             }
             for item in proof.evidence
@@ -502,4 +505,7 @@ def largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
 
 def quantities_data() -> dict[str, Any]:
     """Return the quantities that can be bounded for other programs."""
-    return {entry.key: record(entry, "symbol", "unit", "title") for entry in QUANTITIES.values()}
+    return {
+        entry.key: record(entry, "symbol", "title") | {"unit": si_unit(entry.unit)}
+        for entry in QUANTITIES.values()
+    }

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.data import record, robot
+from paminsa_viz.blocks.data import POSITION_KEYS, record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, aligned, heading, shown
 from paminsa_viz.elastostatics.beams import TubeFit, tube_fits
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes, drive_stiffness
@@ -332,7 +332,7 @@ def stiffness_data(design: Design, found: PlatformStiffness, *, shear: bool) -> 
         "ellipsoid": {"axes_m_per_N": axes, "directions": directions.T},
         "wrench": load_wrench(design, found.pose),
         "deflection": moved.deflection,
-        "compensation": dict(zip(ACTUATORS, moved.actuators, strict=True)),
+        "compensation": dict(zip(POSITION_KEYS, moved.actuators, strict=True)),
         "residual_tilt_rad": moved.tilt,
         "contacts": contacts(design, found.pose).touching(),
         "natural_frequencies_Hz": {

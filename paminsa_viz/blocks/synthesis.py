@@ -19,11 +19,13 @@ from paminsa_viz.blocks.requirements import (
     worst_text,
 )
 from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.requirement_text import requirement_label, requirement_text
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
     BoundOutcome,
     Buildability,
+    Objective,
     ObjectiveLimit,
     SynthesisCase,
     SynthesisResult,
@@ -34,7 +36,7 @@ from paminsa_viz.synthesis.answer.engine_check import MujocoCheck
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
 from paminsa_viz.synthesis.search.case_conflict import CaseConflict
 from paminsa_viz.synthesis.search.front import DesignFront
-from paminsa_viz.units import NONE, counted, format_ascii, format_value, number, unit_text
+from paminsa_viz.units import NONE, counted, format_ascii, format_value, number, si_unit, unit_text
 
 OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
 """What marks an answer for which it was not required that the bodies do not overlap."""
@@ -357,8 +359,11 @@ def _worst(value: float, bound: Requirement | ObjectiveLimit) -> str:
 
 
 def _margin(value: float, bound: Requirement | ObjectiveLimit) -> str:
-    entry = bound.entry if isinstance(bound, Requirement) else find_objective(bound.objective)
-    return entry.display.format(value) if math.isfinite(value) else NONE
+    return _entry(bound).display.format(value) if math.isfinite(value) else NONE
+
+
+def _entry(bound: Requirement | ObjectiveLimit) -> Quantity | Objective:
+    return bound.entry if isinstance(bound, Requirement) else find_objective(bound.objective)
 
 
 def lengths_table(before: Design, after: Design, path: str = "") -> Table:
@@ -389,12 +394,14 @@ def synthesis_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
         "requirements": [
             {
                 "text": bound_text(item.bound), "worst": item.value,
+                "unit": si_unit(_entry(item.bound).unit),
                 **record(item, "margin", "active"),
             }
             for item in _required(result)
         ],
         "relaxed": [
-            {"text": bound_text(item.bound)} | record(item, "nearest", "change")
+            {"text": bound_text(item.bound), "unit": si_unit(_entry(item.bound).unit)}
+            | record(item, "nearest", "change")
             for item in result.relaxed
         ],
         "proof": result.proof and result.proof.verdict,

@@ -97,6 +97,13 @@ def test_verdicts_on_requirements() -> None:
     assert [one["requirement"] for one in data["items"]] == [
         "reach", "max_torque <= 15 N m", "condition <= 8",
     ]  # fmt: skip
+    # as values are in SI units, so are their names, also where people are shown micrometers
+    assert [one["unit"] for one in data["items"]] == ["m", "N m", "1"]
+    small = checked(item(unit="m:um"))
+    assert words.check_data(APPENDIX_4, asked, small, None)["items"][0]["unit"] == "m"
+    units = {one["unit"] for one in words.quantities_data().values()}
+    assert {"m", "rad", "N/m"} <= units
+    assert not any(":" in unit for unit in units)
     assert not {"volume", "conflict"} & data.keys()
 
 
@@ -206,6 +213,8 @@ def test_what_a_proof_rests_on() -> None:
     )
     whole: Any = Proof(Verdict.REFUTED, region, evidence, boxes=7, seconds=1.5)  # type: ignore
     data = words.proof_data(whole)
+    units = [one["unit"] for one in data["evidence"]]
+    assert units == ["m", "m", "1", "N m", "N/m", "N/m", "N m"]
     assert (data["size_m"], data["center_m"]) == ([0.8, 1.0, 1.2], (0.1, 0.2, 0.3))
     assert [one["requirement"] for one in data["evidence"]] == [
         "reach", "home", "condition <= 8", "max_torque <= 15 N m", "stiffness_x >= 20 N/mm",

@@ -174,9 +174,12 @@ def test_an_answer_as_data() -> None:
         "seed": 7, "seconds": 1.235, "trials": 1234, "poses": 567,
         "workspace_center_m": [0.01, 0.02, -0.5], "overlap_allowed": False,
         "requirements": [
-            {"text": "max_torque <= 15 N m", "worst": 14.5, "margin": 0.5, "active": True}
+            {
+                "text": "max_torque <= 15 N m", "worst": 14.5, "unit": "N m", "margin": 0.5,
+                "active": True,
+            }
         ],
-        "relaxed": [{"text": "condition <= 8", "nearest": 9.0, "change": 0.125}],
+        "relaxed": [{"text": "condition <= 8", "unit": "1", "nearest": 9.0, "change": 0.125}],
         "proof": None,
     }  # fmt: skip
     assert robots["reference"] == {

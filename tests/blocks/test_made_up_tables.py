@@ -21,7 +21,6 @@ from paminsa_viz.blocks import (
 from paminsa_viz.blocks.kinds import Row, Table
 from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.design import APPENDIX_4
-from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.precision.drive_errors import Bound
 from paminsa_viz.precision.leg_lengths import LENGTHS
@@ -185,8 +184,9 @@ def test_errors_by_the_drives_at_a_pose_and_over_a_region(monkeypatch: pytest.Mo
     assert whole["p95"] == pytest.approx(1e-5 * (1 + most))
     assert data["region"]["unbounded"] == {unbounded.word: 7}
     assert (data["bounded"], data["reason"]) == (False, "why")
-    assert data["half_widths"] == dict(zip(ACTUATORS, APPENDIX_4.accuracy.half_widths, strict=True))
-    assert data["deviations"] == dict(zip(ACTUATORS, APPENDIX_4.accuracy.deviations, strict=True))
+    keys = ("M1_rad", "M2_rad", "M3_rad", "M4_m")
+    assert data["half_widths"] == dict(zip(keys, APPENDIX_4.accuracy.half_widths, strict=True))
+    assert data["deviations"] == dict(zip(keys, APPENDIX_4.accuracy.deviations, strict=True))
 
 
 def test_legs_of_their_own_lengths_put_the_platform_off(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -283,7 +283,9 @@ def test_loads_on_a_motion_have_their_places() -> None:
         for place, (joint, row) in enumerate(zip(loads.JOINTS, joints.rows, strict=True)):
             numbers = [size + len(loads.JOINTS) * leg + place for size in (100, 200, 300, 400, 500)]
             assert [float(cell) for cell in row.cells[1 + 4 * leg : 5 + 4 * leg]] == numbers[:4]
-            assert list(data["legs"][leg]["joints"][joint.key].values()) == numbers
+            keyed = data["legs"][leg]["joints"][joint.key]
+            assert list(keyed.values()) == numbers
+            assert list(keyed)[-1] == ("travel_m" if joint.key == "guide" else "travel_rad")
         for place, (bar, row) in enumerate(zip(BARS, bars.rows, strict=True)):
             assert float(row.cells[4 + 4 * leg]) == pytest.approx(100 * most[leg, place], rel=1e-2)
             one = data["legs"][leg]["bars"][bar]

@@ -35,7 +35,7 @@ def test_numbers_are_those_of_the_pose_in_si_units(capsys) -> None:
             value = getattr(expected, kind)[index]
             assert found["errors"][name][kind] == pytest.approx(value, rel=1e-9)
     assert found["errors"]["horizontal_m"]["worst"] == pytest.approx(float(expected.horizontal))
-    assert found["half_widths"]["M4"] == pytest.approx(8.5e-6)
+    assert found["half_widths"]["M4_m"] == pytest.approx(8.5e-6)
 
 
 def test_table_over_the_region_has_the_statistics(capsys) -> None:
@@ -71,8 +71,8 @@ def test_encoders_of_the_drives_give_the_resolution(capsys, tmp_path: Path) -> N
     design = replace(APPENDIX_4, drives=(drive, drive, drive, None))
     save_design(design, tmp_path / "driven.toml")
     found = run_json("accuracy", capsys, "--design", str(tmp_path / "driven.toml"), "--encoders")
-    assert found["half_widths"]["M1"] == pytest.approx(np.pi / 40960)
-    assert found["half_widths"]["M4"] == pytest.approx(5e-6)
+    assert found["half_widths"]["M1_rad"] == pytest.approx(np.pi / 40960)
+    assert found["half_widths"]["M4_m"] == pytest.approx(5e-6)
 
 
 @pytest.mark.slow

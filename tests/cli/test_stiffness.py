@@ -30,6 +30,7 @@ def test_numbers_are_the_librarys(capsys, shear: bool) -> None:
     save_design(design, "d.toml")
     words = ("--design", "d.toml", "--load", "5", "0", "-20", "0", "1", "2", "--payload", "3")
     found = run_json(capsys, *POSE, *words, *(["--shear"] if shear else []))
+    assert list(found["compensation"]) == ["M1_rad", "M2_rad", "M3_rad", "M4_m"]
     loaded = design.vary({"payload.mass": 3.0})
     expected = platform_stiffness(loaded, AT, shear=shear)
     wrench = np.array([5.0, 0.0, -20 - 3 * 9.81, 0.0, 1.0, 2.0])
