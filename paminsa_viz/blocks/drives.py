@@ -157,7 +157,7 @@ def facts_table(one: DriveFigures) -> Table:
     cells = [
         row("RMS torque", one.rms, drive.rated_torque, "N·m"),
         row("peak torque", one.peak, drive.corners[0][1], "N·m"),
-        ("envelope", f"{100 * one.envelope:.0f} %", ""),
+        ("envelope", f"{100 * one.envelope:.0f} %", "largest share of it used"),
         row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
         ("peak power", f"{number(one.top_power, 3)} W", ""),
         ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),

@@ -226,7 +226,7 @@ def _fit_known(
 
 
 def describe(combination: Combination, most: int = 4) -> str:
-    """Return the leading lengths of a combination: ``"0.71 l_94 (leg 1) - 0.70 l_87 (leg 1)"``."""
+    """Return the leading lengths of a combination: ``"0.71 l_94(1) - 0.70 l_87(1)"`` of leg 1."""
     weights = combination.weights.ravel()
     order = np.argsort(-np.abs(weights), kind="stable")[:most]
     text = ""

@@ -128,7 +128,8 @@ def test_what_a_drive_gives_beside_its_limits() -> None:
     rows = {label: rest for label, *rest in cells(facts_table(on_a_load()))}
     assert rows == {
         "RMS torque": ["1.5 N·m", "75 % of 2"], "peak torque": ["3 N·m", "60 % of 5"],
-        "envelope": ["60 %", ""], "top speed": ["954.9 rpm", "25 % of 3820"],
+        "envelope": ["60 %", "largest share of it used"],
+        "top speed": ["954.9 rpm", "25 % of 3820"],
         "peak power": ["222 W", ""], "inertia ratio": ["4.5", "robot over motor"],
         "winding": ["32 %", "temperature rise"], "gear ratio": ["50", "20 to 80 fit"],
         "one count": ["130 µrad", "of the encoder"],
