@@ -24,6 +24,7 @@ from paminsa_viz.explorer.features.export.exports import motion_name
 from paminsa_viz.explorer.features.export.pictures import VIEW_TIMEOUT, picture
 from paminsa_viz.explorer.features.maps.floor import FloorMap
 from paminsa_viz.explorer.kit.downloads import File
+from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
@@ -114,6 +115,7 @@ class Recorder:
                 content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
         finally:
             session.dispatch("recording", partial(_recording, None), step=False)
+            session.submit(partial(cameras.fit, session))  # a window may have another shape by now
         return File(motion_name(state, found, "", kind), content)
 
     def _frames(

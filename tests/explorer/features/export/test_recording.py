@@ -32,6 +32,7 @@ from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.features.maps.floor import FloorMap
 from paminsa_viz.explorer.kit.downloads import session_export
 from paminsa_viz.explorer.kit.entries import ButtonGroup, given
+from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Appearance
@@ -100,7 +101,11 @@ def frames_of(content: bytes) -> list[Image.Image]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["gif", "webp"])
-def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
+def test_every_instant_is_rendered_at_its_pose(
+    session: Any, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fitted: list[bool] = []
+    monkeypatch.setattr(cameras, "fit", lambda s: fitted.append(bool(s.state.recording.running)))
     before = session.state
     file = Recorder().record(session, kind)
     trajectory = motions.planned(before).trajectory
@@ -119,6 +124,8 @@ def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     while session.state.recording.running:
         assert time.monotonic() < end
     assert session.state.document == before.document
+    # a window that has another shape by now is looked at anew, after the recording
+    until(lambda: fitted == [False], "the robot fitted to the view")
 
 
 class NewMaps(FloorMap):
