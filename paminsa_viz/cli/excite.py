@@ -81,7 +81,7 @@ class Excite(JsonFlags, DesignFlags):
     """Time for the search [s]; at most a quarter of it goes to the random motions that it starts
     with."""
     evaluations: int = DEFAULTS.evaluations
-    """Most evaluations of a motion; a search that they end is reproducible."""
+    """Most evaluations of a motion; a search that they end is reproducible by the same command."""
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 250.0
     """Samples a second of the table."""
     seed: int = DEFAULTS.seed
