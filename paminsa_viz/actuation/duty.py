@@ -266,7 +266,7 @@ def _solved(design: Design, motion: Trajectory) -> tuple[TrajectoryAnalysis, Arr
     Kept, as a motion that is stretched in time needs no more.
     """
     analysis = analyze(design, motion)
-    analysis.check.require()
+    analysis.require()
     static = static_torques(replace(design, load=NO_LOAD), motion.pose)
     if analysis.solved.loaded(design):
         static = static + analysis.solved.load_torques(design)

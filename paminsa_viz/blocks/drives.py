@@ -53,7 +53,7 @@ def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
         ),
         Table(head, values, "Drives of the design.", words=2, literal=True),
     ]
-    if analysis.check.first is not None:
+    if analysis.failure is not None:
         text = "The robot cannot run the trajectory, so they are not measured."
         return [*blocks, Note(text, "bad")]
     found = size_design(duty_cycle(design, [Duty(analysis.trajectory)]), design)

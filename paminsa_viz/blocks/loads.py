@@ -75,7 +75,7 @@ def loads_blocks(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> list[Bl
     loads = motion_loads(analysis)
     if loads is None:
         return [*blocks, Note("The robot cannot run the trajectory from its start.", "bad")]
-    if analysis.check.first is not None:
+    if analysis.failure is not None:
         blocks.append(Note(f"{until_text(analysis)}:", "warn"))
     alt = "Forces at the joints and in the bars over time, six panels."
     return [*blocks, *motion_blocks(loads), series_figure("loads", analysis, alt)]
@@ -83,8 +83,11 @@ def loads_blocks(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> list[Bl
 
 def until_text(analysis: TrajectoryAnalysis) -> str:
     """Return up to where the loads on a motion are those of the whole motion."""
-    first = analysis.check.first
-    return "" if first is None else f"Up to where the motion fails {first.explanation}"
+    failure = analysis.failure
+    if failure is None:
+        return ""
+    where = "The motion" if analysis.check.possible else "Up to where the motion"
+    return f"{where} fails {failure.explanation}"
 
 
 def pose_blocks(forces: JointForces, sideways: SidewaysForces) -> list[Block]:

@@ -91,13 +91,13 @@ def trajectory_blocks(
         if analysis.summary:
             text += " The numbers are of the time before."
         blocks.append(Note(text, "bad"))
-    else:
+    elif analysis.failure is None:
         blocks.append(Note(f"The robot can run it. {margin_text(check)}", "ok"))
     blocks += [
         Note(
-            f"At {item.t:.4g} s this robot's torques have no bound: the motion crosses the "
-            f"{item.locus.label} with t_sᵀ F = {format_value(item.residual, 'N m', 3)} instead of "
-            "zero. Sampled values next to it depend on the rate.",
+            f"The robot cannot run it: at {item.t:.4g} s its torques have no bound. The motion "
+            f"crosses the {item.locus.label} with t_sᵀ F = {format_value(item.residual, 'N m', 3)} "
+            "instead of zero. Sampled values next to it depend on the rate.",
             "bad",
         )
         for item in analysis.unbounded
@@ -122,7 +122,7 @@ def trajectory_facts(analysis: TrajectoryAnalysis) -> list[Fact]:
         Fact("Peak torque", torque, "M1 to M3 on the trajectory"),
         Fact("Peak force", force, "M4 on the trajectory"),
     ]
-    if analysis.check.first is not None:
+    if analysis.failure is not None:
         facts.append(Fact("Trajectory", "fails", "the robot cannot run it", "bad"))
     return facts
 
@@ -236,9 +236,9 @@ def shortest_note(found: ShortestStretch) -> Note:
 
 def reference_note(reference: TrajectoryAnalysis) -> Note:
     """Return whether another design can run the motion too."""
-    first = reference.check.first
-    verdict = "can run it too" if first is None else f"fails {first.explanation}"
-    return Note(f'reference "{reference.design.name}": {verdict}', "bad" if first else "ok")
+    failure = reference.failure
+    verdict = "can run it too" if failure is None else f"fails {failure.explanation}"
+    return Note(f'reference "{reference.design.name}": {verdict}', "bad" if failure else "ok")
 
 
 def published_differences(
@@ -308,7 +308,7 @@ def trajectory_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
     return {
         **robot(analysis.design),
         "trajectory": {"samples": t.size, **record(t, "name", "kind", "duration_s", "notes")},
-        "failure": _failure(check.first),
+        "failure": _failure(analysis.failure),
         "closest": _event(check.closest),
         "actuators": _actuators(analysis),
     }
@@ -326,7 +326,7 @@ def compared_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
     """Return the torques of another analysis of the same motion."""
     return {
         **robot(analysis.design),
-        "failure": _failure(analysis.check.first),
+        "failure": _failure(analysis.failure),
         "actuators": _actuators(analysis),
     }
 

@@ -116,11 +116,11 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
 
     def _motion(self, design: Design) -> int:
         analysis = analyze(design, self.given_motion(design.geometry))
-        found, first = motion_loads(analysis), analysis.check.first
+        found, failure = motion_loads(analysis), analysis.failure
         if found is None:
             few = PaminsaError("fewer than two samples have joint forces; give the motion more")
-            failure = few if first is None else ImpossibleTrajectory(first)
-            return print_failure(failure, as_json=self.json)
+            error = few if failure is None else ImpossibleTrajectory(failure)
+            return print_failure(error, as_json=self.json)
         if self.out:
             self._write(bearing_table(found) if self.bearings else motion_loads_table(found))
         if self.json:
@@ -131,9 +131,9 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             print_blocks(motion_blocks(found))
             print_left_out(design)
             print_written(self.out)
-        if first is not None:
-            print_error(ImpossibleTrajectory(first))
-        return 0 if first is None else 1
+        if failure is not None:
+            print_error(ImpossibleTrajectory(failure))
+        return 0 if failure is None else 1
 
 
 FLAGS = Loads

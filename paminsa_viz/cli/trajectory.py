@@ -291,8 +291,8 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
         analyze(design, trajectory, misprints=Misprint.ALL) if flags.printed else None,
         published=published,
     )
-    if analysis.check.first is not None:
-        return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))
+    if analysis.failure is not None:
+        return replace(results, problems=(ImpossibleTrajectory(analysis.failure),))
     if flags.simulate is None:
         return results
     payload = design.payload.mass + flags.payload_mismatch

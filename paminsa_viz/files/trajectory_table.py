@@ -73,7 +73,7 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
         if part != "load" or loaded:
             columns |= _named(part_columns(part), getattr(parts, part))
     columns |= _named(POWERS, analysis.power)
-    first = analysis.check.first
+    failure = analysis.failure
     published = [item.name for item in Misprint if item in solved.misprints and item.name]
     facts = {
         "trajectory": t.name,
@@ -85,7 +85,7 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
             f"{_CROSSING} {number}": f"{passage.t!r} s, {passage.locus.label}"
             for number, passage in enumerate(t.passages, 1)
         },
-        "first failure": first.explanation if first else "none",
+        "first failure": failure.explanation if failure else "none",
         **robot_facts(analysis.design),
         "formulas": f"as published: {', '.join(published)}" if published else "corrected",
         **parameter_facts(analysis.design),

@@ -134,9 +134,9 @@ def _compared_sentences(sources: SeriesSources) -> list[str]:
     sentences = []
     if sources.reference is not None:
         sentences.append(f"Reference: design {shown(sources.reference.design.name)}.")
-        first = sources.reference.check.first
-        if first is not None and sources.analysis.check.possible:
-            sentences.append(f"The reference fails {first.explanation}.")
+        failure = sources.reference.failure
+        if failure is not None and sources.analysis.failure is None:
+            sentences.append(f"The reference fails {failure.explanation}.")
     if sources.published is not None:
         misprints = sources.published.solved.misprints
         sentences.append(f"As published: {_misprints_text(misprints)}.")

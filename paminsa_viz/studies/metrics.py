@@ -176,11 +176,10 @@ def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, 
     ``singular``, and the time is when. Otherwise the word is `RUNS` and the time NaN.
     """
     analysis = analyze(design, trajectory)
-    first, nothing = analysis.check.first, (np.nan,) * len(MOTION_METRICS)
-    if first is not None:
-        return str(status_words(first.limit, first.leg)), first.t, nothing
-    if analysis.unbounded:  # the motion crosses a singularity, planned for another design
-        return str(status_words(Limit.SINGULAR)), analysis.unbounded[0].t, nothing
+    failure = analysis.failure
+    if failure is not None:
+        nothing = (np.nan,) * len(MOTION_METRICS)
+        return str(status_words(failure.limit, failure.leg)), failure.t, nothing
     return RUNS, np.nan, tuple(metric.value(analysis) for metric in MOTION_METRICS)
 
 

@@ -15,7 +15,8 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import TorqueBreakdown
 from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.trajectory.check import PathCheck
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.trajectory.check import ImpossibleTrajectory, PathCheck, PathEvent
 from paminsa_viz.trajectory.crossing_measures import CrossingLoad, crossing_loads
 from paminsa_viz.trajectory.integrals import rms, running_integral
 from paminsa_viz.trajectory.sampled import Trajectory
@@ -161,6 +162,27 @@ class TrajectoryAnalysis:
             return ()
         largest = float(np.nanmax(np.abs(self.torque[:, :3]), initial=0.0))
         return tuple(item for item in self.crossings if item.excess > EXCESS * largest)
+
+    @cached_property
+    def failure(self) -> PathEvent | None:
+        """Why the robot cannot run the motion, None if it can.
+
+        The first failure of the path, or else the first crossing at which its torques have no
+        bound.
+        """
+        if self.check.first is not None or not self.unbounded:
+            return self.check.first
+        item = self.unbounded[0]
+        return PathEvent(
+            item.t, Limit.SINGULAR, -1, 0.0, tuple(self.trajectory.at(item.t).pose.tolist()),
+            f"torques have no bound: the motion crosses the {item.locus.label}, planned for "
+            "another robot or sampled too coarsely",
+        )  # fmt: skip
+
+    def require(self) -> None:
+        """Raise `ImpossibleTrajectory` if the robot cannot run the motion."""
+        if self.failure is not None:
+            raise ImpossibleTrajectory(self.failure)
 
     @cached_property
     def energy(self) -> Array:

@@ -428,3 +428,5 @@ def test_inertia_at_the_actuators_is_that_away_from_a_planned_crossing() -> None
     expected = actuator_inertia(BALANCED, motion.pose[far]).max(axis=0)
     np.testing.assert_allclose(inertia, expected, rtol=0.15)  # of some of the samples
     assert actuator_inertia(BALANCED, motion.pose).max() > 100 * expected[:3].max()
+    with pytest.raises(ImpossibleTrajectory, match="no bound"):
+        duty_cycle(APPENDIX_4, [Duty(motion)])  # another robot

@@ -101,9 +101,7 @@ def test_drives_of_a_design_and_whether_they_keep_up(monkeypatch: pytest.MonkeyP
 
     def blocks(found: list[Any], first: Any = None, held: Any = design) -> list[Any]:
         monkeypatch.setattr(drives, "size_design", lambda cycle, design: found)
-        analysis: Any = SimpleNamespace(
-            design=held, check=SimpleNamespace(first=first), trajectory=None
-        )
+        analysis: Any = SimpleNamespace(design=held, failure=first, trajectory=None)
         return drives.drives_blocks(analysis)
 
     good, weak = on_a_load(), on_a_load(feasible=False)

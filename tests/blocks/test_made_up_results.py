@@ -19,6 +19,7 @@ from paminsa_viz.blocks import trajectory
 from paminsa_viz.blocks.balance import mass_facts
 from paminsa_viz.blocks.kinds import Table
 from paminsa_viz.blocks.trajectory import (
+    compared_data,
     crossings_table,
     margin_text,
     passages_blocks,
@@ -30,6 +31,7 @@ from paminsa_viz.blocks.trajectory import (
     simulation_notes,
     trajectory_blocks,
     trajectory_data,
+    trajectory_facts,
 )
 from paminsa_viz.clearance import PairGroup
 from paminsa_viz.model.design import APPENDIX_4
@@ -200,9 +202,16 @@ def test_a_motion_beside_others_with_its_figures(monkeypatch: pytest.MonkeyPatch
     assert [kind for kind, *_ in drawn] == ["pose", "torques", "breakdown", "power"]
     assert [options["caption"] for *_, options in drawn] == [False, True, False, False]
     unbounded = SimpleNamespace(t=0.123456, locus=SimpleNamespace(label="circle"), residual=0.12345)
+    nameless = replace(nameless)  # nothing of it is kept
     object.__setattr__(nameless, "unbounded", (unbounded,))
-    text, kind = said(trajectory_blocks(nameless))[2]
-    assert text.startswith("At 0.1235 s this robot's torques have no bound")
+    text, kind = said(trajectory_blocks(nameless))[1]
+    assert text.startswith("The robot cannot run it: at 0.1235 s its torques have no bound")
+    verdict, level = said([reference_note(nameless)])[0]
+    assert ("fails at 0.1235 s: torques have no bound" in verdict, level) == (True, "bad")
+    assert trajectory_facts(nameless)[-1].kind == "bad"
+    data = trajectory_data(nameless)["failure"]
+    assert (data["t_s"], data["limit"], data["leg"]) == (0.123456, "singular", None)
+    assert compared_data(nameless)["failure"] == data
     assert "t_sᵀ F = 0.123 N·m instead" in text
     assert kind == "bad"
 
@@ -268,10 +277,10 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
 def test_numbers_that_a_report_opens_with() -> None:
     """The largest torque of M1 to M3 and force of M4, by their sizes."""
     peaks = [SimpleNamespace(peak=peak) for peak in (1.5, -7.12345, 2.5, -456.789)]
-    analysis: Any = SimpleNamespace(summary=peaks, check=SimpleNamespace(first=None))
+    analysis: Any = SimpleNamespace(summary=peaks, failure=None)
     facts = trajectory.trajectory_facts(analysis)
     assert [fact.value for fact in facts] == ["7.12 N·m", "456.8 N"]
-    analysis.summary, analysis.check.first = (), "why"
+    analysis.summary, analysis.failure = (), "why"
     *rest, failed = trajectory.trajectory_facts(analysis)
     assert [fact.value for fact in rest] == [NONE, NONE]
     assert (failed.value, failed.kind) == ("fails", "bad")

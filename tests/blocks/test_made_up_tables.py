@@ -308,11 +308,14 @@ def test_loads_of_joint_5_alone_are_those_in_its_forces() -> None:
 
 def test_loads_of_a_motion_that_fails_say_up_to_where(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(loads, "motion_loads", lambda analysis: on_a_motion())
-    analysis: Any = SimpleNamespace(design=APPENDIX_4, check=SimpleNamespace(first=None))
+    check = SimpleNamespace(possible=True)
+    analysis: Any = SimpleNamespace(design=APPENDIX_4, check=check, failure=None)
     assert loads.until_text(analysis) == ""
     whole = loads.loads_blocks(analysis, POSE)
     assert not any(kind == "warn" for _, kind in said(whole))
-    analysis.check.first = SimpleNamespace(explanation="at a limit")
+    analysis.failure = SimpleNamespace(explanation="at a limit")
+    assert loads.until_text(analysis) == "The motion fails at a limit"  # its torques alone
+    check.possible = False
     text = "Up to where the motion fails at a limit"
     assert loads.until_text(analysis) == text
     assert (f"{text}:", "warn") in said(loads.loads_blocks(analysis, POSE))

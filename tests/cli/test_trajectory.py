@@ -163,6 +163,13 @@ def test_a_singularity_is_crossed_within_the_torque_limit(capsys) -> None:
     assert found["trajectory"]["duration_s"] == pytest.approx(0.372, abs=1e-3)
     assert "singular rotation" in " ".join(found["trajectory"]["notes"])
     assert np.abs(numbers(read("a.csv"), TORQUES[:3])).max() < 10.1
+    Path("heavy.toml").write_text("schema_version = 1\n[links]\nb4_kg = 0.9\n")
+    code, out, _ = run(capsys, *words, "--reference", "heavy.toml")
+    assert code == 0
+    assert 'reference "heavy": fails at 0.1794 s: torques have no bound' in out
+    code, out, err = run(capsys, "--file", "a.csv", "--design", "heavy.toml")
+    assert (code, "can run it" in out, err.count("\n")) == (1, False, 1)
+    assert "cannot be run: at 0.1794 s: torques have no bound" in err
     code, _, err = run(capsys, *words[:-3], "5")
     assert (code, err.count("\n")) == (1, 1)
     assert "times as large" in err

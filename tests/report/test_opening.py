@@ -20,7 +20,7 @@ from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.report import claims, claims_page, page
 from paminsa_viz.report.claim import Claim, MeasuredClaim
 from paminsa_viz.report.request import ReportRequest
-from paminsa_viz.trajectory import PRESET, analyze
+from paminsa_viz.trajectory import PRESET
 from paminsa_viz.units import NONE
 
 TIME = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
@@ -55,9 +55,8 @@ def test_a_report_from_python_is_that_of_the_command() -> None:
 
 
 def test_numbers_that_a_report_opens_with() -> None:
-    analysis = analyze(APPENDIX_4, MOTION)
     loads = [SimpleNamespace(peak=peak) for peak in (-4.0, 3.0, -2.0, -250.0)]
-    shown: Any = SimpleNamespace(summary=loads, check=analysis.check)
+    shown: Any = SimpleNamespace(summary=loads, failure=None)
     facts = opening(shown, made(True))
     assert facts["Moving mass"].value == f"{whole_mass(APPENDIX_4):.2f} kg"
     assert (facts["Peak torque"].value, facts["Peak force"].value) == ("4 N·m", "250 N")
@@ -66,7 +65,7 @@ def test_numbers_that_a_report_opens_with() -> None:
     assert facts["Verification"].note.startswith("largest difference 1.5·10⁻¹³ of")
     found = opening(shown, made(False))
     assert (found["Verification"].value, found["Verification"].kind) == ("failed", "bad")
-    none: Any = SimpleNamespace(summary=[], check=SimpleNamespace(first=object()))
+    none: Any = SimpleNamespace(summary=[], failure=object())
     facts = opening(none, None)
     assert (facts["Peak torque"].value, facts["Peak force"].value) == (NONE, NONE)
     assert facts["Trajectory"].kind == "bad"

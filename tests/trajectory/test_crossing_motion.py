@@ -22,10 +22,12 @@ from paminsa_viz.model import (
     singular_radius,
     singular_rotation,
 )
+from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import (
     SINGULAR_CLEARANCE,
     Controller,
     ControlMode,
+    ImpossibleTrajectory,
     MotionLimits,
     TrajectoryAnalysis,
     analyze,
@@ -141,6 +143,7 @@ def test_what_a_plan_needs_at_a_crossing_does_not_depend_on_the_rate() -> None:
     for rate in (300.0, 1000.0, 1100.0, 7000.0):
         analysis = analyze(BALANCED, quick.plan.sample(rate))
         assert not analysis.unbounded
+        assert analysis.failure is None
         (load,) = analysis.crossings
         assert abs(load.residual) < 1e-8
         assert load.torque == pytest.approx(crossing.torque, abs=1e-4)
@@ -171,6 +174,12 @@ def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> No
         analysis = analyze(design, samples)
         (load,) = analysis.unbounded
         assert load.excess > 5.0
+        assert analysis.check.possible  # the path alone
+        assert analysis.failure is not None
+        assert (analysis.failure.t, analysis.failure.limit) == (load.t, Limit.SINGULAR)
+        assert f"crosses the {load.locus.label}" in analysis.failure.explanation
+        with pytest.raises(ImpossibleTrajectory, match="no bound"):
+            analysis.require()
         step = samples.t[1] - samples.t[0]
         beside = samples.at(load.t + 0.01 * np.array([-0.5, 0.5]) * step)
         torque = inverse_dynamics(design, *beside).torque

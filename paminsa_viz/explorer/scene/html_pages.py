@@ -247,14 +247,15 @@ def _page(scene: str, analysis: TrajectoryAnalysis, times: Array, frames: Frames
 
 def _notes(analysis: TrajectoryAnalysis) -> list[str]:
     """Return what the page says of the motion, a line each."""
-    trajectory, first = analysis.trajectory, analysis.check.first
+    trajectory, failure = analysis.trajectory, analysis.failure
     notes = [
         f"Design “{analysis.design.name}”, {analysis.solved.geometry.knee.label}; "
         f"{trajectory.duration:.4g} s. {MADE_BY}.",
         *trajectory.notes,
     ]
-    if first is not None:
-        notes.insert(0, f"The motion fails {first.explanation}. It is played up to there.")
+    if failure is not None:
+        played = "" if analysis.check.possible else " It is played up to there."
+        notes.insert(0, f"The motion fails {failure.explanation}.{played}")
     return notes
 
 

@@ -207,14 +207,17 @@ def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, 
         if SIMULATION.runs(state):
             text = "Simulating …"
         return render("motion/empty.j2", text=text)
-    sources, first = found.sources, found.analysis.check.first
+    sources, failure = found.sources, found.analysis.failure
     compared = state.plots.plot in COMPARED
+    reference = sources.reference if compared else None
+    worse = None if reference is None or failure is not None else reference.failure
     return render(
         "motion/caption.j2",
         trajectory=found.analysis.trajectory,
-        reference=sources.reference.design.name if compared and sources.reference else "",
+        reference="" if reference is None else reference.design.name,
+        reference_failure="" if worse is None else worse.explanation,
         published=compared and sources.published is not None,
-        failure="" if first is None else first.explanation,
+        failure="" if failure is None else failure.explanation,
         engine=_engine(state, found) if state.plots.needs_engine else None,
     )
 

@@ -50,10 +50,9 @@ def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool
     found = motions.planned(state)
     if analysis is None or found.trajectory is None or found.problem:
         return False, found.problem
-    check = analysis.check
-    if check.first is not None:
-        return False, f"fails {check.first.explanation}"
-    return True, f"{samples_text(found.trajectory)}. {margin_text(check)}"
+    if analysis.failure is not None:
+        return False, f"fails {analysis.failure.explanation}"
+    return True, f"{samples_text(found.trajectory)}. {margin_text(analysis.check)}"
 
 
 def status_html(frame: Frame) -> str:

@@ -43,6 +43,7 @@ from paminsa_viz.trajectory import (
     analyze,
     from_samples,
 )
+from tests.explorer.features.motion.engine_motions import analyzed, caption
 
 
 def shows_crossings(state: State) -> Any:
@@ -274,6 +275,9 @@ def test_motion_passes_singularities_on_request(turning: State) -> None:
     assert "singular rotation lies between" in status_html(compute(there))
     assert not compute(motions.scrub(state, 0.0)).barriers
     assert shows_crossings(state)
+    other = actions.pin_reference(actions.vary(state, {"links.b4": 0.9}))
+    beside = actions.vary(other, {"links.b4": APPENDIX_4.links.b4})
+    assert "the reference <b>fails</b> at 0.1794 s: torques" in caption(analyzed(beside), beside)
     text = crossing_html(compute(state))
     assert "<th>singular rotation</th>" in text
     assert re.search(r"<td>At</td>\s*<td>0.1794 s</td>", text)
