@@ -31,7 +31,7 @@ from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.leg_points import counterweight_clearance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.model.statics import imbalance_parts, static_imbalance
+from paminsa_viz.model.statics import imbalance_parts, shown_imbalance, static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import (
@@ -67,7 +67,7 @@ def mass_facts(design: Design) -> list[Fact]:
     """Return how heavy a robot is, and how far from balance."""
     return [
         Fact("Moving mass", format_value(whole_mass(design), "kg"), "legs, platform, payload"),
-        Fact("M_p2", format_value(static_imbalance(design), "N", 3), "0 is static balance"),
+        Fact("M_p2", format_value(shown_imbalance(design), "N", 3), "0 is static balance"),
     ]
 
 
@@ -101,7 +101,7 @@ def _contributions(design: Design) -> Table:
         Row((symbol, label, format_value(share, "N")))
         for symbol, label, share in contributions(design)
     ]
-    rows.append(Row(("M_p2", "all together", format_value(static_imbalance(design), "N")), "total"))
+    rows.append(Row(("M_p2", "all together", format_value(shown_imbalance(design), "N")), "total"))
     head = ("Symbol", "Body", "Part of M_p2")
     return Table(head, tuple(rows), "M_p2, body by body.", words=2)
 

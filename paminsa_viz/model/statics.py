@@ -127,6 +127,17 @@ def imbalance_parts(design: Design) -> dict[str, float]:
     return found
 
 
+_ROUNDING = 2.0**-46
+"""Share of what the masses add to M_p2 in which the sum of them is a rounding error."""
+
+
+def shown_imbalance(design: Design) -> float:
+    """Return M_p2 [N] for people: zero for a balanced robot, where the sum leaves 1e-15 N."""
+    parts = imbalance_parts(design).values()
+    imbalance = static_imbalance(design)
+    return imbalance if abs(imbalance) > _ROUNDING * sum(map(abs, parts)) else 0.0
+
+
 @dataclass(frozen=True)
 class StaticBreakdown:
     """Static torques, body by body; batch shape (...).

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.model.statics import shown_imbalance
 from paminsa_viz.plots.contours import contour_lines
 from paminsa_viz.plots.hover import cell_at, reasons
 from paminsa_viz.plots.map_values import MapData
@@ -55,7 +55,7 @@ def caption(data: MapData, scales: tuple[Scale, ...], circles: str = "") -> str:
 
 def key_numbers(design: Design) -> list[tuple[str, float, str]]:
     """Return the numbers of a design that captions and tables name: symbol, value, unit (SI)."""
-    numbers = [("Mₚ₂", static_imbalance(design), "N")]
+    numbers = [("Mₚ₂", shown_imbalance(design), "N")]
     numbers += [("payload", design.payload.mass, "kg")] if design.payload.mass else []
     load = design.load
     named = zip(("F_x", "F_y", "F_z", "M_z"), (*load.wrench[:3], load.moment_z), strict=True)

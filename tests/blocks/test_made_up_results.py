@@ -38,6 +38,7 @@ from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.plots import caption
 from paminsa_viz.trajectory import (
     PRESET,
     CrossingDrift,
@@ -288,6 +289,11 @@ def test_numbers_that_a_report_opens_with() -> None:
     mass, imbalance = mass_facts(loaded)
     assert mass.value == f"{whole_mass(loaded):.4g} kg"
     assert imbalance.value == f"{static_imbalance(loaded):.3g} N".replace("-", "−")
+    rounded = 0.28 + 3 * 9.10041 / 9.81 + 4e-15  # the m_7 that balances
+    balanced = APPENDIX_4.vary({"joints.j7": rounded})
+    assert static_imbalance(balanced) != 0.0
+    assert mass_facts(balanced)[1].value == "0 N"
+    assert "Mₚ₂\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}0" in caption.robot(balanced)
 
 
 def test_computed_torques_beside_a_published_table() -> None:

@@ -28,7 +28,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.model.statics import imbalance_parts
+from paminsa_viz.model.statics import imbalance_parts, shown_imbalance
 from paminsa_viz.quantities import QUANTITIES
 from tests import oracle
 from tests.support.cases import BOTH, Case, assert_close, assert_within, cases
@@ -184,6 +184,9 @@ def test_a_balanced_robot_holds_itself_everywhere(case: Case, path: str) -> None
     design = balanced(case.design, path)
     weight = design.gravity * mass_vector(design)[:14].sum()
     assert abs(static_imbalance(design)) < 1e-14 * weight
+    assert shown_imbalance(design) == 0.0
+    heavier = design.vary({path: design.value(path) * (1 + 1e-9)})
+    assert shown_imbalance(heavier) == static_imbalance(heavier) != 0.0
     pose = case.poses(32)
     torque = static_torques(design, pose)
     size = np.abs(static_torques(case.design, pose)).max() + weight

@@ -18,12 +18,12 @@ from paminsa_viz.model import (
     check_reach,
     inverse_kinematics,
     measure_singularity,
-    static_imbalance,
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import near_by_reach
+from paminsa_viz.model.statics import shown_imbalance
 from paminsa_viz.trajectory import Locus, TrajectoryAnalysis
 from paminsa_viz.trajectory.crossing import locus_distances
 from paminsa_viz.units import number
@@ -151,7 +151,7 @@ def compute(state: State, motions: MotionStore | None = None, *, is_preview: boo
         singularity=measure_singularity(last_reachable.geometry, last_reachable.pose),
         torques=static_torques(here, last_reachable.pose),
         reference_torques=reference,
-        balance=static_imbalance(document.design),
+        balance=shown_imbalance(document.design),
         motions=motions or MotionStore(),
         is_preview=is_preview,
     )

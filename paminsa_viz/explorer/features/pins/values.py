@@ -9,9 +9,10 @@ import numpy as np
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.state.pins import IMBALANCE, PinsJob, PinValue
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import PARAMETER, Design, Limit, static_imbalance
+from paminsa_viz.model import PARAMETER, Design, Limit
 from paminsa_viz.model.arrays import Pose
 from paminsa_viz.model.grids import Field, Grid, solve_field
+from paminsa_viz.model.statics import shown_imbalance
 from paminsa_viz.progress import Progress
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
@@ -73,7 +74,7 @@ def _at(design: Design, job: PinsJob) -> Field:
 def _value(key: str, design: Design, field: Field) -> tuple[float, str]:
     """Return a number [SI] and why there is none."""
     if key == IMBALANCE:
-        return static_imbalance(design), ""
+        return shown_imbalance(design), ""
     if key in PARAMETER:
         return design.value(key), ""
     quantity = QUANTITIES[key]
