@@ -37,6 +37,11 @@ def along(state: State, analysis: TrajectoryAnalysis) -> MotionClearance | None:
     return outcome.result if outcome is not None and known else None
 
 
+def headline(distance: float) -> tuple[str, str]:
+    """Return level and words of a status for a clearance that is too little [m]."""
+    return ("bad", "bodies overlap") if distance < 0 else ("warn", "bodies are close")
+
+
 def reason(state: State) -> tuple[float, str]:
     """Return the least clearance of the pose [m], NaN if unknown, and why it is too little."""
     found = nearest(state)

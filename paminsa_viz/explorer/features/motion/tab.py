@@ -68,7 +68,8 @@ def status_html(frame: Frame) -> str:
     if near is not None and reachable:
         why = clearance_reason(near.distance, near.names, state.clearance.settings.required)
         if why:
-            level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
+            level, words = clearance.headline(near.distance)
+            title = f"{title}, {words}"
             lines.insert(0, f"{why}, at {number(near.t, 3)} s")
     return render(
         "motion/status.j2",

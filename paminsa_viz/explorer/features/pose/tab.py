@@ -42,8 +42,8 @@ def _status(frame: Frame) -> tuple[str, str, list[str]]:
         distance, why = clearance.reason(frame.state)
         if why:
             lines = [why, *lines] if frame.health is not Health.OK else [why]
-            level = "bad" if distance < 0 else "warn"
-            title = f"{title}, bodies {'overlap' if distance < 0 else 'are close'}"
+            level, words = clearance.headline(distance)
+            title = f"{title}, {words}"
     return level, title, lines
 
 

@@ -106,17 +106,22 @@ def test_motion_warns_with_the_time_and_has_a_curve(state: State) -> None:
     every = clearance(analysis.design, analysis.trajectory.pose[::10]).least
     assert found.distance <= np.nanmin(every) + 1e-4
     state = state.updated("clearance", motion=outcome)
-    assert "too close" not in motion_status(compute(state))
+    assert "bodies" not in motion_status(compute(state))
     state = state.updated("clearance.settings", required=found.distance + 1e-3)
     text = motion_status(compute(state))
     assert "pv-warn" in text
+    assert "bodies are close" in text
     assert found.names[0] in text
+    hit = replace(outcome, result=replace(found, distance=-1e-3))
+    text = motion_status(compute(state.updated("clearance", motion=hit)))
+    assert "pv-bad" in text
+    assert "bodies overlap" in text
     drawn = store.all(state)
     assert drawn is not None
     (least,) = drawn_charts(state, drawn)[0].traces
     assert np.nanmin(least.values) == pytest.approx(1e3 * found.distance, rel=1e-6)
     other = motions.choose_preset(state, "line")
-    assert "too close" not in motion_status(compute(other))
+    assert "bodies" not in motion_status(compute(other))
 
 
 def test_line_joins_the_nearest_points(server: viser.ViserServer, state: State) -> None:
