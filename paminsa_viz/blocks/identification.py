@@ -14,6 +14,7 @@ from paminsa_viz.identification.findings import Findings
 from paminsa_viz.identification.results import Estimate, Identity
 from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
+from paminsa_viz.model.statics import shown_imbalance
 from paminsa_viz.units import counted, display_unit, format_value, interval_text, number
 
 TRIED = 5
@@ -50,14 +51,16 @@ def identification_blocks(findings: Findings) -> list[Block]:
 
 def estimates_table(findings: Findings) -> Table:
     """Return the numbers of the model that a log tells, beside those of the design."""
-    found = []
-    for item in findings.identification.estimates:
+    one, found = findings.identification, []
+    summed = {"M_p2": shown_imbalance(one.design)}
+    for item in one.estimates:
         p = item.parameter
         factor = display_unit(p.unit).factor
         text = "unknown"
         if item.known:
             text = interval_text(factor * item.value, factor * item.half_width)
-        cells = (heading(item.symbol, p.unit), p.label, text, number(factor * p.design, 4))
+        held = number(factor * summed.get(item.symbol, p.design), 4)
+        cells = (heading(item.symbol, p.unit), p.label, text, held)
         found.append(Row(cells, _estimate_kind(item), hint=item.reason()))
     caption = "Numbers that the log tells; marked where the design's is outside the interval."
     return Table(("", "Parameter", "Log, 95 %", "Design"), tuple(found), caption, words=2)

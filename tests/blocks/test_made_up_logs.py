@@ -46,14 +46,19 @@ def test_estimates_are_marked_where_the_design_is_outside_their_interval() -> No
         estimate(), estimate(value=0.303), estimate(value=0.297), estimate(value=0.3015),
         estimate(known=False),
     ]  # fmt: skip
-    findings: Any = SimpleNamespace(identification=SimpleNamespace(estimates=items))
+    one = SimpleNamespace(estimates=items, design=APPENDIX_4)
+    findings: Any = SimpleNamespace(identification=one)
     table = identification.estimates_table(findings)
     assert [row.kind for row in table.rows] == ["plain", "marked", "marked", "plain", "muted"]
     assert table.words == 2
     finer = SimpleNamespace(unit="m", label="a length", design=0.3001234)
     item = estimate(parameter=finer)
-    found: Any = SimpleNamespace(identification=SimpleNamespace(estimates=[item]))
-    assert cells(identification.estimates_table(found))[0][3] == "300.1"
+    one.estimates = [item]
+    assert cells(identification.estimates_table(findings))[0][3] == "300.1"
+    balanced = APPENDIX_4.vary({"joints.j7": 0.28 + 3 * 9.10041 / 9.81 + 4e-15})
+    rounding = SimpleNamespace(unit="N", label="imbalance", design=-1.3e-15)
+    one.design, one.estimates = balanced, [estimate(symbol="M_p2", parameter=rounding)]
+    assert cells(identification.estimates_table(findings))[0][3] == "0"
     assert table.rows[0].cells == ("l [mm]", "a length", "301.0 ± 2.0", "300")
     assert table.rows[4].cells[2] == "unknown"
     assert table.rows[0].hint == "why"
