@@ -273,7 +273,7 @@ def room_text(geometry: Geometry, weight: Counterweight) -> str:
 
     See `counterweight_clearance`; the text holds in every pose.
     """
-    radius = disc_radius(weight.mass)
+    radius = disc_radius(weight.mass, geometry.body_scale)
     room = counterweight_clearance(geometry, weight, radius)
     if room is None:
         return "The robot can take no pose."

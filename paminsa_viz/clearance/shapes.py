@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from paminsa_viz.clearance.frame_shapes import frame_bodies, moving_bodies
 from paminsa_viz.clearance.leg_shapes import leg_bodies
 from paminsa_viz.clearance.solids import WORLD, Body, BodyPart
+from paminsa_viz.dimensions.body_scale import design_over_scale
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
-from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.model.parameters import Counterweight, Payload
 
 Integers = NDArray[np.int64]
 
@@ -193,10 +194,12 @@ def build_shapes(
     geometry: Geometry, payload: float, counterweights: tuple[Counterweight, ...]
 ) -> Shapes:
     """Return the same from what it follows from: geometry, mass of the payload, counterweights."""
-    design = Design(geometry=geometry, counterweights=counterweights).vary(
-        {"payload.mass": payload}
+    design = design_over_scale(
+        Design(geometry, payload=Payload(payload), counterweights=counterweights)
     )
     bodies = (*leg_bodies(design), *moving_bodies(design), *frame_bodies(design))
+    if geometry.body_scale != 1.0:
+        bodies = _enlarged(bodies, geometry.body_scale)
     # Lengths change no pair: layers, joints and frames are the same for all of them.
     structure = (
         geometry.knee, payload > 0, tuple((w.bar, w.mass > 0) for w in counterweights)
@@ -206,6 +209,13 @@ def build_shapes(
             _KNOWN_PAIRS.clear()
         _KNOWN_PAIRS[structure] = _pairs(bodies, geometry.knee)
     return Shapes(bodies, *_KNOWN_PAIRS[structure], arrays_of(bodies))
+
+
+def _enlarged(bodies: tuple[Body, ...], scale: float) -> tuple[Body, ...]:
+    """Return the bodies enlarged about the origins of their frames; legs share their solids."""
+    solids = {id(body.solids): body.solids for body in bodies}
+    large = {key: tuple(solid.times(scale) for solid in own) for key, own in solids.items()}
+    return tuple(replace(body, solids=large[id(body.solids)]) for body in bodies)
 
 
 Pairs = tuple[

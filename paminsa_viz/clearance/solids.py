@@ -57,6 +57,13 @@ class Primitive:
             rotation @ self.center + place, self.joint,
         )  # fmt: skip
 
+    def times(self, scale: float) -> Primitive:
+        """Return the solid enlarged about its body's origin."""
+        return Primitive(
+            self.kind, scale * self.size, scale * self.radius, scale * self.corners, self.rotation,
+            scale * self.center, self.joint,
+        )  # fmt: skip
+
     @cached_property
     def extent(self) -> Array:
         """Least and largest coordinates of the solid in its body's frame, (2, 3) [m]."""

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.body_scale import times_body_scale
 from paminsa_viz.dimensions.fixed_parts import PAYLOAD_RATIO
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
@@ -25,6 +26,7 @@ def payload_scale(mass: float) -> float:
     return float(np.cbrt(max(mass, 0.0)))
 
 
+@times_body_scale
 def payload_offset(geometry: Geometry) -> tuple[float, float, float]:
     """Return where the payload's upper face sits in the platform's frame [m].
 
@@ -50,12 +52,17 @@ SMALLEST: Final = 0.004
 """Radius below which no disc is drawn any smaller [m]; that of 10 g."""
 
 
-def disc_radius(mass: float) -> float:
+def disc_radius(mass: float, scale: float = 1.0) -> float:
     """Return the radius of a disc of a mass [kg]; as thick as a barrel, whatever its mass [m].
 
     So it stays within its bar's layer, and its volume is in proportion to the mass.
+
+    Args:
+        mass: Its mass [kg].
+        scale: Size of the robot's bodies over the prototype's.
     """
-    return max(float(np.sqrt(max(mass, 0.0) / (STEEL * np.pi * at.BARREL))), SMALLEST)
+    own = max(mass, 0.0) / scale**3
+    return scale * max(float(np.sqrt(own / (STEEL * np.pi * at.BARREL))), SMALLEST)
 
 
 def place_along(geometry: Geometry, weight: Counterweight) -> float:
@@ -76,7 +83,7 @@ def stub(geometry: Geometry, weight: Counterweight) -> tuple[float, float] | Non
 
     None for one that sits on the bar, or on the barrel at its end.
     """
-    if weight.beyond <= at.BARREL_RADIUS:
+    if weight.beyond <= at.BARREL_RADIUS * geometry.body_scale:
         return None
     x = place_along(geometry, weight)
     outward = weight.joint == BAR_ENDS[weight.bar][1]

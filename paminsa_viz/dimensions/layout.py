@@ -16,6 +16,7 @@ import numpy as np
 
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.body_scale import times_body_scale
 from paminsa_viz.dimensions.layers import CARRIAGE_HALF, SLIDER_HALF
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
@@ -120,6 +121,9 @@ class FrameLengths(NamedTuple):
 def frame_lengths(m: Mechanism, guide_link: Any) -> FrameLengths:
     """Return the lengths of the frame, a plain formula for every robot; not in the paper.
 
+    As all functions here that take no geometry, it is for bodies of the prototype's size; for
+    others see `body_scale`.
+
     Args:
         m: The mechanism.
         guide_link: l_B10 [m].
@@ -197,6 +201,7 @@ def platform_range(m: Mechanism) -> PlatformRange:
 
 
 @kept(64)
+@times_body_scale
 def layout(geometry: Geometry) -> FrameLayout:
     """Return the frame's heights and radii for a geometry."""
     m = mechanism(geometry)
@@ -210,11 +215,13 @@ def polar(radius: float, angle: float, height: float = 0.0) -> Array:
     return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
+@times_body_scale
 def plinth_radius(geometry: Geometry) -> float:
     """Return the radius of the plinth below the workspace [m]."""
     return float(frame_lengths(mechanism(geometry), geometry.guide_link_length).plinth_radius)
 
 
+@times_body_scale
 def plinth_outline(geometry: Geometry) -> Array:
     """Return the plinth seen from above, counterclockwise (n, 2) [m]."""
     return outline_about(plinth_radius(geometry), layout(geometry).mast_radius)
@@ -245,6 +252,7 @@ def cylinder_length(place: FrameLayout) -> float:
     return place.lift_high - place.lift_low + 0.03
 
 
+@times_body_scale
 def lift_motor_base(geometry: Geometry) -> float:
     """Return the height of the face that M4's head stands on [m]."""
     place = layout(geometry)
@@ -253,6 +261,7 @@ def lift_motor_base(geometry: Geometry) -> float:
     return place.column_top + at.PLATE_OF_BRIDGE + cylinder_length(place)
 
 
+@times_body_scale
 def lift_motor_height(geometry: Geometry) -> float:
     """Return the height of the top of M4's motor [m]."""
     return lift_motor_base(geometry) + at.LIFT_MOTOR_HEIGHT

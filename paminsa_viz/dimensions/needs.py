@@ -17,6 +17,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT, payload_offset, payload_scale
+from paminsa_viz.dimensions.body_scale import design_over_scale, geometry_over_scale
 from paminsa_viz.model.arguments import geometry_of, of_design
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
@@ -50,13 +51,14 @@ def joint_3_from_guides(knee: KneeBranch) -> float:
     return -size.SHAFT_BLOCK_HEIGHTS[0] - size.QUILL_LOW  # the quill is turned over
 
 
-def needed_guide(slider: Array) -> Array:
+def needed_guide(slider: Array, scale: float = 1.0) -> Array:
     """Return the least length of B10 that carries the whole slider [m].
 
     Args:
         slider: The largest distance of joint 8 from the leg axis, |X_4| [m].
+        scale: Size of the robot's bodies over the prototype's.
     """
-    return as_numbers(slider, "slider") + at.SLIDER_HALF
+    return as_numbers(slider, "slider") + scale * at.SLIDER_HALF
 
 
 @of_design
@@ -68,12 +70,15 @@ def needed_shaft(design: Design, zeta: Array, magnification: Array) -> Array:
     the joints 5 and the payload by `SPARE`; whether it is enough is left to the bodies.
 
     Args:
-        design: Its knee and its payload count.
+        design: Its knee, its payload and the size of its bodies count.
         zeta: The largest |z_5| [m].
         magnification: k, of each robot.
     """
     geometry = design.geometry
     zeta, magnification = as_numbers(zeta, "zeta"), as_numbers(magnification, "magnification")
+    scale = geometry.body_scale
+    if scale != 1.0:
+        return scale * needed_shaft(design_over_scale(design), zeta / scale, magnification)
     if geometry.knee is KneeBranch.LOWER:
         return zeta / magnification + JOINT_2_ABOVE
     top = at.BARREL_RADIUS
@@ -125,7 +130,9 @@ def missing_room(
         clearance: Least distance of two bodies that is required [m].
     """
 
-    robots = [geometry_of(robot) for robot in geometries]
+    robots = [geometry_over_scale(geometry_of(robot)) for robot in geometries]
+    scale = np.array([geometry_of(robot).body_scale for robot in geometries])
+    slider, zeta, diagonal = slider / scale, zeta / scale[:, None], diagonal / scale[:, None]
 
     def of(name: str) -> Array:
         return np.array([getattr(g, name) for g in robots])
@@ -146,4 +153,4 @@ def missing_room(
         ],
         axis=-1,
     )
-    return np.maximum(clearance - room, 0.0)
+    return np.maximum(clearance - scale[:, None] * room, 0.0)

@@ -18,6 +18,7 @@ from paminsa_viz import palette
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.body_scale import geometry_over_scale
 from paminsa_viz.dimensions.layout import FrameLayout, layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.errors import InvalidInput, name_hint
@@ -73,7 +74,7 @@ def lengths_of(geometry: Geometry, body: str) -> tuple[object, ...]:
     Raises:
         InvalidInput: If there is no such body.
     """
-    g = geometry
+    g, scale = geometry_over_scale(geometry), geometry.body_scale
     place = layout(g)
     ram = place.column_top - place.lift_low if g.knee is KneeBranch.UPPER else 0.0
     heights = (place.ground, place.mast_top, place.column_top)
@@ -93,7 +94,8 @@ def lengths_of(geometry: Geometry, body: str) -> tuple[object, ...]:
         "b7": ("b7", g.short_coupler_length),
         "b8": ("b8", g.crank_length),
     }
-    return depends[_kind(body)]
+    lengths = depends[_kind(body)]
+    return lengths if scale == 1.0 else (*lengths, f"times {scale!r}")
 
 
 @of_geometry
@@ -103,14 +105,16 @@ def make_body(geometry: Geometry, body: str) -> MeshPart:
     Raises:
         InvalidInput: If there is no such body.
     """
-    kind = _kind(body)
+    kind, scale = _kind(body), geometry.body_scale
+    if scale != 1.0:
+        return make_body(geometry_over_scale(geometry), body).times(scale)
     if kind in STANDING:
         return standing_body(kind, geometry, layout(geometry), plinth_radius(geometry))
     return _made(_MOVING_MAKERS[kind], lengths_of(geometry, body), is_plain()).copy()
 
 
 def standing_body(body: str, geometry: Geometry, place: FrameLayout, plinth: float) -> MeshPart:
-    """Return a body that does not move, in the world frame [m].
+    """Return a body that does not move, of the prototype's size, in the world frame [m].
 
     Args:
         body: One of `STANDING`.
@@ -309,8 +313,8 @@ def body_glb(geometry: Geometry, body: str, *, fine: bool = True) -> bytes:
     if fine:
         return make_body(geometry, body).glb(color_of(body))
     with plain_shapes():
-        part = make_body(geometry, body).without_small(SMALL)
-        return part.glb(color_of(body), plain=True)
+        part = make_body(geometry_over_scale(geometry), body).without_small(SMALL)
+        return part.times(geometry.body_scale).glb(color_of(body), plain=True)
 
 
 def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:

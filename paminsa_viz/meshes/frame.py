@@ -39,6 +39,10 @@ FLIP = turn("y", np.pi)
 """Turns the base plate over; it keeps the three leg directions where they are."""
 
 
+MOST_CIRCLES = 2000
+"""Circles on the ground at most: there are more below a large robot of tiny bodies."""
+
+
 def ground(radius: float, place: FrameLayout) -> MeshPart:
     """Return the plinth the machine stands on; its upper face is the ground. World frame."""
     outline, top = outline_about(radius, place.mast_radius), place.ground
@@ -49,7 +53,8 @@ def ground(radius: float, place: FrameLayout) -> MeshPart:
     part = MeshPart().add("floor", fan(outline * (1 - 0.002 / radius), top))
     part.add("rim", loft([low, high]))
     # Circles every 0.2 m for scale; they protrude by less than the images on the floor.
-    for line in np.arange(0.2, radius - 0.05, 0.2):
+    step = max(0.2, radius / MOST_CIRCLES)
+    for line in np.arange(step, radius - 0.05, step):
         part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
     return part
 

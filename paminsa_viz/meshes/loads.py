@@ -14,6 +14,7 @@ from paminsa_viz.dimensions.attached import (
     place_along,
     stub,
 )
+from paminsa_viz.dimensions.body_scale import geometry_over_scale, weight_over_scale
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes.part import MeshPart, fixed_part
 from paminsa_viz.meshes.solids import ACROSS, ALONG, Array, moved, rod, turn
@@ -38,6 +39,10 @@ def payload_transform(geometry: Geometry, mass: float) -> Array:
 
 def counterweight(geometry: Geometry, weight: Counterweight) -> MeshPart:
     """Return a counterweight in its bar's frame [m]."""
+    scale = geometry.body_scale
+    if scale != 1.0:
+        own = weight_over_scale(weight, scale)
+        return counterweight(geometry_over_scale(geometry), own).times(scale)
     x, y = place_along(geometry, weight), at.LAYER[weight.bar]
     half, radius = at.BARREL / 2, disc_radius(weight.mass)
     part = MeshPart()

@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from paminsa_viz.dimensions.attached import payload_offset
+from paminsa_viz.dimensions.body_scale import geometry_over_scale
 from paminsa_viz.dimensions.fixed_parts import CARRIAGE_RADIUS
 from paminsa_viz.dimensions.layout import FrameLayout, frame_lengths
 from paminsa_viz.meshes import bodies, frame
@@ -34,6 +35,9 @@ DIGITS: Final = 7
 
 GRAIN: Final = 1e-7
 """Step of the points' coordinates [m]."""
+
+LONGEST: Final = 200.0
+"""Length from which on the step grows, as coordinates are whole numbers of 32 bits [m]."""
 
 TIE: Final = 1e-3
 """Moves what is to be rounded off the middle of two steps, where rounding errors would decide; as
@@ -60,7 +64,8 @@ class _Shape(NamedTuple):
 def pack_bodies(geometry: Geometry) -> dict[str, Any]:
     """Return the bodies with both knees and few faces, as data that can be written as JSON.
 
-    Points count from the body's own frame, standing bodies' from the world frame.
+    They are of the prototype's size, for a robot of the lengths over the size of its bodies. Points
+    count from the body's own frame, standing bodies' from the world frame.
 
     Returns:
         ``materials``: linear color, metallic, roughness, whether it is lit. ``bodies``: by name,
@@ -74,10 +79,12 @@ def pack_bodies(geometry: Geometry) -> dict[str, Any]:
         ``payload``: the payload's height over the joints of the platform by knee [m].
     """
     packed, blocks = {}, []
+    geometry = geometry_over_scale(geometry)
+    grain = GRAIN * max(1.0, max(body_lengths(geometry).values()) / LONGEST)
     with plain_shapes():
         for name, knee, shape in _shapes():
             body = geometry if knee is None else replace(geometry, knee=knee)
-            packed[name], block = _packed(shape, body)
+            packed[name], block = _packed(shape, body, grain)
             blocks.append(block)
     return {
         "materials": {
@@ -85,7 +92,7 @@ def pack_bodies(geometry: Geometry) -> dict[str, Any]:
             for name, s in SURFACES.items()
         },
         "bodies": packed,
-        "grain": GRAIN,
+        "grain": grain,
         "neck": CARRIAGE_RADIUS,
         "payload": {
             knee.value: round(
@@ -169,7 +176,8 @@ def _guide(knee: KneeBranch, length: float) -> MeshPart:
 
 
 def body_lengths(geometry: Geometry) -> dict[str, float]:
-    """Return every length that the shape of a body depends on [m]."""
+    """Return every length that the shape of a body depends on, over the size of the bodies [m]."""
+    geometry = geometry_over_scale(geometry)
     m = mechanism(geometry)
     place = frame_lengths(m, geometry.guide_link_length)
     return {
@@ -182,7 +190,7 @@ def body_lengths(geometry: Geometry) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _packed(shape: _Shape, geometry: Geometry) -> tuple[dict[str, Any], bytes]:
+def _packed(shape: _Shape, geometry: Geometry, grain: float) -> tuple[dict[str, Any], bytes]:
     """Return what is said of a body, and its bytes."""
     lengths = body_lengths(geometry) | (shape.instead or {})
     values = [lengths[name] for name in shape.names]
@@ -208,7 +216,7 @@ def _packed(shape: _Shape, geometry: Geometry) -> tuple[dict[str, Any], bytes]:
         "moves": groups.tolist(),
     }
     arrays = (
-        np.rint(points / GRAIN + TIE).astype("<i4"),
+        np.rint(points / grain + TIE).astype("<i4"),
         np.rint(127 * normals + TIE).astype("i1"),
         materials.astype("u1"),
         group.reshape(-1).astype("u1"),

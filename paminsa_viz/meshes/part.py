@@ -120,6 +120,23 @@ class MeshPart:
         """Return a copy turned by ``rotation`` (3, 3), then shifted by ``offset`` [m]."""
         return MeshPart([Solid(s.material, moved(s.mesh, offset, rotation)) for s in self.solids])
 
+    def times(self, scale: float) -> MeshPart:
+        """Return a copy enlarged about its origin, the part itself for a scale of 1."""
+        if scale == 1.0:
+            return self
+        return MeshPart(
+            [
+                Solid(
+                    s.material,
+                    trimesh.Trimesh(
+                        vertices=scale * s.mesh.vertices, faces=s.mesh.faces,
+                        vertex_normals=s.mesh.vertex_normals, process=False,
+                    ),
+                )
+                for s in self.solids
+            ]
+        )  # fmt: skip
+
     def renamed(self, prefix: str) -> MeshPart:
         """Return a copy whose materials are those of the same names after a prefix."""
         out = MeshPart()

@@ -186,9 +186,9 @@ def _shapes(
             part = seen(bodies.make_body(g, body), carrier, body)
             yield carrier, kind, part, color
         swivel = f"leg{leg}/swivel"
-        foot = seen(fixed_part("swivel_disc"), PLATFORM, swivel)
+        foot = seen(fixed_part("swivel_disc").times(g.body_scale), PLATFORM, swivel)
         yield PLATFORM, f"leg{leg}.swivel_disc", foot, color
-        head = seen(fixed_part("swivel_head"), f"leg{leg}_B4", swivel)
+        head = seen(fixed_part("swivel_head").times(g.body_scale), f"leg{leg}_B4", swivel)
         yield f"leg{leg}_B4", f"leg{leg}.swivel_head", head, color
     if design.payload.mass > 0:
         matrix = loads.payload_transform(g, design.payload.mass)

@@ -1,4 +1,4 @@
-"""Lengths of the mechanism, and the branch of its knees."""
+"""Lengths of the mechanism, the size of its bodies, and the branch of its knees."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from enum import Enum
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import SMALLEST, Group, parameter
 from paminsa_viz.units import rounded_to_side
+
+BODY_SCALE = "geometry.body_scale"
+"""Path of the one number of a geometry that the mechanism does not depend on."""
 
 
 class KneeBranch(Enum):
@@ -40,6 +43,9 @@ class Geometry(Group, path="geometry"):
     Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
     parallelogram, so they are no parameters of their own. The knee of each leg is the lower or the
     upper one.
+
+    ``body_scale`` is how large all bodies are over the prototype's, as they are drawn and checked
+    for clearance: tubes, joints, motors and frame. No force and no stiffness depends on it.
     """
 
     magnification: float = parameter(3.0, "k", "", "pantograph magnification factor", positive=True)
@@ -57,6 +63,9 @@ class Geometry(Group, path="geometry"):
         None, "|X_4| max", "m", "stroke of joint 8 (default: l_B10)", positive=True
     )
     axis_clearance: float = parameter(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
+    body_scale: float = parameter(
+        1.0, "s_b", "", "size of the bodies over the prototype's", positive=True
+    )
     knee: KneeBranch = KneeBranch.LOWER
 
     def __post_init__(self) -> None:

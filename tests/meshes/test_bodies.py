@@ -40,7 +40,7 @@ CHANGES = {
     "magnification": 3.2, "base_radius": 0.36, "platform_radius": 0.11, "arm_length": 0.3,
     "shaft_length": 0.45, "crank_length": 0.43, "coupler_length": 0.64,
     "platform_joint_height": 0.03, "guide_link_length": 0.38, "guide_stroke": 0.3,
-    "axis_clearance": 0.02,
+    "axis_clearance": 0.02, "body_scale": 0.9,
 }  # fmt: skip
 
 

@@ -243,13 +243,25 @@ def with_knee(robot: Robot, knee: KneeBranch) -> Robot:
 
 
 def prototype_times(factor: float) -> Design:
-    """Return Appendix 4's robot with lengths times a factor, masses and inertias in proportion."""
+    """Return Appendix 4's robot with lengths times a factor, masses and inertias in proportion.
+
+    Its bodies stay as large as the prototype's, see `enlarged`.
+    """
+    return enlarged(APPENDIX_4, factor).vary({"geometry.body_scale": 1.0})
+
+
+def enlarged(design: Design, factor: float) -> Design:
+    """Return a robot with all lengths, bodies included, times a factor, masses in proportion."""
     powers = {"m": 1, "kg": 3, "kg m^2": 5}
-    groups = ("geometry", "joints", "links", "inertias", "platform")
-    return APPENDIX_4.vary(
-        {
-            path: APPENDIX_4.value(path) * factor ** powers[item.unit]
-            for path, item in PARAMETER.items()
-            if path.split(".")[0] in groups and item.unit in powers
-        }
+    groups = ("geometry", "joints", "links", "inertias", "platform", "payload")
+    changes = {
+        path: design.value(path) * factor ** powers[item.unit]
+        for path, item in PARAMETER.items()
+        if path.split(".")[0] in groups and item.unit in powers
+    }
+    changes["geometry.body_scale"] = factor * design.geometry.body_scale
+    weights = tuple(
+        replace(weight, beyond=factor * weight.beyond, mass=factor**3 * weight.mass)
+        for weight in design.counterweights
     )
+    return replace(design.vary(changes), counterweights=weights)

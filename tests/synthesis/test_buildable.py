@@ -55,6 +55,7 @@ from paminsa_viz.synthesis.search.extremes import Extent, Least, Valued
 from paminsa_viz.synthesis.search.kernels import plate_distance
 from paminsa_viz.synthesis.search.region import SPARSE, Density
 from paminsa_viz.synthesis.search.trial import Poses, TrialRobot
+from tests.support.samples import enlarged
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
 from tests.synthesis.test_trials import GOOD, random_numbers
 
@@ -69,6 +70,7 @@ lengths = st.fixed_dictionaries(
         "coupler_length": st.floats(0.2, 0.9),
         "shaft_length": st.floats(0.05, 0.8),
         "knee": st.sampled_from(KneeBranch),
+        "body_scale": st.sampled_from((1.0, 0.4)),
     }
 )
 
@@ -228,6 +230,19 @@ def test_faults_of_a_robot_are_named() -> None:
     rows = {row.cells[0]: row.kind for row in buildability_table(found, found).rows}
     assert rows["Guide B10"] == "marked"
     assert rows["Shaft B2"] == "plain"
+
+
+@pytest.mark.slow
+def test_a_robot_enlarged_with_its_bodies_can_be_built_as_well() -> None:
+    found = []
+    for times in (1.0, 0.1):
+        place = (times * 0.3, times * 0.3, times * 0.1), (0.0, 0.0, times * -0.55)
+        space = Workspace(WorkspaceShape.CYLINDER, *place)
+        found.append(buildability(enlarged(APPENDIX_4, times), space, (-0.1, 0.1)))
+    whole, small = found
+    for name in ("clearance", "guide", "needed_guide", "shaft", "needed_shaft"):
+        assert getattr(small, name) == pytest.approx(0.1 * getattr(whole, name), abs=1e-9), name
+    assert small.overlapping == whole.overlapping
 
 
 def test_least_values_are_looked_for_from_six_four_and_one_of_the_samples(

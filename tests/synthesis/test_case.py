@@ -12,6 +12,7 @@ import pytest
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, KneeBranch
+from paminsa_viz.model.geometry import BODY_SCALE
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis import Effort, ObjectiveLimit, Regime, SearchRange, SynthesisCase
 from paminsa_viz.synthesis.search.case import Guide
@@ -173,6 +174,7 @@ def changed(**changes: Any) -> SynthesisCase:
         (lambda: changed(regimes=()), "regimes: at least one of"),
         (lambda: changed(objective="beauty"), "beauty"),
         (lambda: SearchRange("links.b3", 0.1, 0.2), "links.b3: only lengths can be searched"),
+        (lambda: SearchRange(BODY_SCALE, 0.1, 0.2), f"{BODY_SCALE}: only lengths can be searched"),
         (lambda: SearchRange("geometry.crank_length", 0.2, 0.2), "a range with low < high"),
         (lambda: SearchRange("geometry.crank_length", 0.2, math.inf), "a range with low < high"),
         (lambda: SearchRange("geometry.crank_length", "0.2", 0.3), "not '0.2' to 0.3"),  # type: ignore

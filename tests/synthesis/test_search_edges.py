@@ -165,6 +165,14 @@ def test_shafts_that_follow_keep_the_largest_clearance_that_is_asked_for() -> No
     deep = np.abs(inverse_kinematics(trial, pose).points[5][..., 2]).max()
     needed = needed_shaft(APPENDIX_4, np.array([deep]), np.array([3.0]))
     assert trial.shaft_length == pytest.approx(needed[0] + ABOVE_QUILL) == pytest.approx(base)
+    # bodies of half the size need half of what they take
+    reference = APPENDIX_4.vary({"geometry.body_scale": 0.5})
+    case = replace(CYLINDER, allow_overlap=False, clearance=0.0, reference=reference)
+    (half,) = Robots.of(case, numbers).geometries
+    needed = needed_shaft(reference, np.array([deep]), np.array([3.0]))
+    assert half.shaft_length == pytest.approx(needed[0] + ABOVE_QUILL / 2)
+    longer = trial.guide_link_length - half.guide_link_length
+    assert longer == pytest.approx(needed_guide(np.zeros(1))[0] / 2)
 
 
 @pytest.mark.parametrize("guide", list(Guide))

@@ -24,6 +24,7 @@ from paminsa_viz.model import (
     InvalidInput,
     Parameter,
 )
+from paminsa_viz.model.geometry import BODY_SCALE
 from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.units import DisplayUnit, number, symbol_text
 
@@ -77,6 +78,7 @@ GROUPS = (
         "Lengths", "Arms, shafts and guides",
         ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
     ),
+    SliderGroup("Lengths", "Size of the bodies", (BODY_SCALE,), open=False),
     SliderGroup(
         "Masses", "Inertias of platform and payload", ("platform.inertia", "payload.inertia"),
         open=False,
@@ -113,6 +115,7 @@ NAMES = {
     "geometry.arm_length": "arm",
     "geometry.shaft_length": "shaft",
     "geometry.guide_link_length": "guide link",
+    BODY_SCALE: "bodies",
     "platform.inertia": "platform",
     "payload.inertia": "payload",
     "payload.height": "above P",
@@ -131,6 +134,7 @@ BEARINGS = "The bearings carry it: the actuators do not see it."
 RANGES = {
     "geometry.magnification": (1.35, 6.0, 0.025),
     "geometry.axis_clearance": (0.0, 100.0, 0.25),
+    BODY_SCALE: (0.05, 3.0, 0.005),
     "gravity": (0.0, 20.0, 0.005),
     "friction.viscous_rotary": (0.0, 2.0, 0.005),
     "friction.coulomb_rotary": (0.0, 2.0, 0.005),

@@ -143,7 +143,7 @@ def buildability(
         stiffness=least("stiffness_horizontal", 4, 1)[0],
         frequency=least("frequency_1", 1, 2)[0],
         guide=geometry.guide_link_length,
-        needed_guide=float(needed_guide(ranges.rho_most / (k - 1))[0]),
+        needed_guide=float(needed_guide(ranges.rho_most / (k - 1), geometry.body_scale)[0]),
         shaft=geometry.shaft_length,
         needed_shaft=float(shaft[0]),
         moving_mass=legs_and_platform(mass_vector(design), design),

@@ -13,7 +13,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import geometry_of
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design
-from paminsa_viz.model.geometry import Geometry
+from paminsa_viz.model.geometry import BODY_SCALE, Geometry
 from paminsa_viz.model.resizing import IN_PROPORTION, BarLaw, resized
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.masses.case import InnerCase, check_inner
@@ -80,6 +80,7 @@ class SearchRange:
 
     def __post_init__(self) -> None:
         length = self.path in PARAMETER and self.path.startswith("geometry.")
+        length = length and self.path != BODY_SCALE
         if not length and self.path not in DIMENSIONS:
             known = ", ".join((*DEFAULT_PATHS, *DIMENSIONS))
             raise InvalidInput(self.path, f"only lengths can be searched, such as {known}")

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from paminsa_viz.dimensions.body_scale import geometry_over_scale
 from paminsa_viz.dimensions.layers import LAYER, TUBE_RADIUS
 from paminsa_viz.dimensions.layout import plate_corners
 from paminsa_viz.dimensions.needs import (
@@ -45,7 +46,8 @@ SPARE = 1e-9
 
 
 ABOVE_QUILL = 0.01
-"""What shafts that follow are longer than they need be, so that other bodies decide [m]."""
+"""What shafts that follow are longer than they need be, so that other bodies decide, for bodies of
+the prototype's size [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,11 +219,12 @@ class TrialRobot:
         found = self.poses.whole(theta, SPARSE)
         xy = found.place(found.within, self.workspace)
         middle, height = float(self.workspace.center[2] or 0.0), self.workspace.size[2]
-        corners = plate_corners(self.geometry.platform_radius)
-        return float(
+        scale, geometry = self.geometry.body_scale, geometry_over_scale(self.geometry)
+        corners = plate_corners(geometry.platform_radius)
+        return scale * float(
             kernels.load()[3](
-                self.mechanism, LAYER["b4"], TUBE_RADIUS["b4"], corners, *PLATE_FROM_5, enough,
-                xy, found.turns, middle + height * found.share,
+                mechanism(geometry), LAYER["b4"], TUBE_RADIUS["b4"], corners, *PLATE_FROM_5,
+                enough / scale, xy / scale, found.turns, (middle + height * found.share) / scale,
             )
         )  # fmt: skip
 
@@ -331,15 +334,16 @@ def _following(
     None is above the largest that a design may have: such a robot is refused as too short.
     """
     k = np.array([g.magnification for g in geometries])
+    scale = case.reference.geometry.body_scale
     lengths = {}
     if case.guide is Guide.FOLLOWS:
         slider = found.rho_most / (k - 1)
         length = slider + case.margin
         if case.clear:
-            length = np.maximum(length, needed_guide(slider))
+            length = np.maximum(length, needed_guide(slider, scale))
         lengths["guide_link_length"] = length + SPARE
     if case.shaft_follows and case.clear and SHAFT not in case.paths:
         apart = max(b.low or 0.0 for b in case.requirements.bounds if b.quantity == CLEARANCE)
         shaft = needed_shaft(case.reference, found.zeta_most, k)
-        lengths["shaft_length"] = shaft + apart + ABOVE_QUILL
+        lengths["shaft_length"] = shaft + apart + scale * ABOVE_QUILL
     return {name: np.minimum(length, LARGEST["m"]) for name, length in lengths.items()}

@@ -21,15 +21,16 @@ const BODIES = (() => {
   return bodies;
 })();
 
-/** Return every length that the shape of a body depends on [m]. */
+/** Return every length that the shape of a body depends on, over the size of the bodies [m]. */
 const bodyLengths = (robot) => {
-  const m = robot.mechanism;
+  const m = robot.drawn;
+  const [guide, arm] = [robot.guide / robot.scale, robot.arm / robot.scale];
   return {
-    ...paminsaFrameLengths(m, robot.guide), base_radius: m.base_radius, platform_radius: m.platform_radius,
+    ...paminsaFrameLengths(m, guide), base_radius: m.base_radius, platform_radius: m.platform_radius,
     joint_height: m.joint_height, shaft: m.shaft, crank: m.crank, coupler: m.coupler,
     crank_part: m.crank / m.k, coupler_part: m.coupler / m.k,
-    guide_link: robot.guide,
-    arm_start: Math.min(Math.max(m.base_radius - robot.arm, 0), m.base_radius),
+    guide_link: guide,
+    arm_start: Math.min(Math.max(m.base_radius - arm, 0), m.base_radius),
   };
 };
 
@@ -62,7 +63,7 @@ const shifted = (x, y, z, turn = 0) => {
  */
 const placedBodies = (robot, pose, solved) => {
   const m = robot.mechanism;
-  const neck = m.base_radius - robot.arm > PAGE.meshes.neck ? ".neck" : "";
+  const neck = m.base_radius - robot.arm > robot.scale * PAGE.meshes.neck ? ".neck" : "";
   const knee = m.root > 0 ? "lower" : "upper";
   const [x, y, theta, z] = pose;
   const found = [
@@ -73,8 +74,9 @@ const placedBodies = (robot, pose, solved) => {
     { body: "platform", accent: 0, matrix: shifted(x, y, z, theta) },
   ];
   if (robot.payload > 0) {
-    const matrix = shifted(x, y, z + m.joint_height + PAGE.meshes.payload[knee], theta);
-    const size = Math.cbrt(robot.payload);
+    const top = z + m.joint_height + robot.scale * PAGE.meshes.payload[knee];
+    const matrix = shifted(x, y, top, theta);
+    const size = Math.cbrt(robot.payload) / robot.scale; // its mass alone decides
     const over = knee === "upper" ? -size : size; // turned over about x
     [size, over, over].forEach((scale, column) => {
       for (let row = 0; row < 3; row++) matrix[4 * column + row] *= scale;
@@ -107,5 +109,7 @@ const placedBodies = (robot, pose, solved) => {
       { body: "b4", accent, matrix: inPlane(joints[9], b4) },
     );
   });
+  for (const { matrix } of found)
+    [0, 1, 2, 4, 5, 6, 8, 9, 10].forEach((index) => { matrix[index] *= robot.scale; });
   return found;
 };

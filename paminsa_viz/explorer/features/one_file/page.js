@@ -53,9 +53,10 @@
       const steps = Math.max(Math.ceil(1e3 * paminsaWorkspaceCircle(robot.mechanism) / grain), leastSteps);
       return [-steps * grain, steps * grain];
     }
-    const { low, high } = paminsaPlatformRange(robot.mechanism);
-    const least = Math.ceil(1e3 * low / grain) * grain;
-    return [least, Math.max(Math.floor(1e3 * high / grain) * grain, least + grain)];
+    const { low, high } = paminsaPlatformRange(robot.drawn);
+    const toMm = 1e3 * robot.scale;
+    const least = Math.ceil(toMm * low / grain) * grain;
+    return [least, Math.max(Math.floor(toMm * high / grain) * grain, least + grain)];
   };
   const setKnee = (knee) => {
     if (knee === doc.knee) return;

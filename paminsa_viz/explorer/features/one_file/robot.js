@@ -27,11 +27,15 @@ const robotOf = (doc, knee = doc.knee) => {
   const length = (name) => of(`geometry.${name}`);
   const k = length("magnification");
   const guide = length("guide_link_length");
-  const mechanism = paminsaMechanismOfLengths(
-    k, length("base_radius"), length("platform_radius"), length("platform_joint_height"),
+  const lengths = [
+    length("base_radius"), length("platform_radius"), length("platform_joint_height"),
     length("shaft_length"), length("crank_length"), length("coupler_length"),
-    length("guide_stroke") ?? guide, length("axis_clearance"), knee === "lower" ? 1 : -1,
-  );
+    length("guide_stroke") ?? guide, length("axis_clearance"),
+  ];
+  const mechanismOver = (scale) => paminsaMechanismOfLengths(
+    k, ...lengths.map((each) => each / scale), knee === "lower" ? 1 : -1);
+  const mechanism = mechanismOver(1);
+  const scale = length("body_scale");
   const masses = {};
   for (const [symbol, path] of Object.entries(PAGE.masses)) masses[symbol] = of(path);
   const g = of("gravity");
@@ -41,7 +45,8 @@ const robotOf = (doc, knee = doc.knee) => {
     ([name, row]) => [name, row.reduce((sum, part, index) => sum + part * coefficients[index], 0)]));
   const load = PAGE.load.map(of);
   return {
-    mechanism, g, guide, arm: length("arm_length"), payload: of("payload.mass"), imbalance: c[1], load,
+    mechanism, scale, drawn: scale === 1 ? mechanism : mechanismOver(scale), g, guide,
+    arm: length("arm_length"), payload: of("payload.mass"), imbalance: c[1], load,
     turns: doc.load_frame === "platform" ? 1 : 0, loaded: load.slice(0, 6).some(Boolean),
     lift: k * (c[16] * g + 3 * c[0]) + 3 * c[2],
     spare: spareDecimals(doc), terms: terms(c), weightless: terms(weightless), slow: of("friction.transition_speed"),

@@ -3,7 +3,7 @@
  * handle on the platform. Matrices are 16 numbers, column by column; lengths are in meters.
  */
 const FIELD_OF_VIEW = Math.PI * 32 / 180;
-const FLOOR_GAP = 0.0015; // pictures on the floor lie that much over it
+const FLOOR_GAP = 0.0015; // pictures on the floor lie that much over it, times the size of the bodies
 const HANDLE_SIZE = 34; // radius of the handle [px]
 const SHARPNESS = 2; // least pixels of the picture for a pixel of the page, so that edges are smooth
 
@@ -130,15 +130,17 @@ const pictured = (camera, point) => {
 
 /** Return points around the whole machine. */
 const outlineOf = (robot) => {
-  const m = robot.mechanism;
-  const frame = paminsaFrameLengths(m, robot.guide);
-  const reach = m.base_radius + Math.max(robot.guide, m.crank) + 0.02;
+  const m = robot.drawn;
+  const guide = robot.guide / robot.scale;
+  const frame = paminsaFrameLengths(m, guide);
+  const reach = m.base_radius + Math.max(guide, m.crank) + 0.02;
   const rings = [
     [reach, 0], [reach, -m.root * m.crank], [frame.plinth_radius, frame.ground - 0.02],
     [0.04, Math.max(frame.column_top, frame.mast_top) + 0.2],
   ];
   return rings.flatMap(([radius, height]) => Array.from({ length: 24 }, (_, index) =>
-    [radius * Math.cos(index * Math.PI / 12), radius * Math.sin(index * Math.PI / 12), height]));
+    [radius * Math.cos(index * Math.PI / 12), radius * Math.sin(index * Math.PI / 12), height]
+      .map((each) => each * robot.scale)));
 };
 
 /** Return a view from a direction [rad] that just holds the machine, in the middle of the picture. */
@@ -314,7 +316,8 @@ const createScene = (canvas, lost) => {
     gl.enable(gl.BLEND);
     gl.uniformMatrix4fv(flat.camera, false, camera.matrix);
     gl.depthMask(false);
-    const ground = lengths.ground + FLOOR_GAP;
+    const [scale, gap] = [robot.scale, robot.scale * FLOOR_GAP];
+    const ground = scale * lengths.ground + gap;
     const [x, y, theta, z] = pose;
     if (floor) {
       if (floor.picture !== textureFor) {
@@ -323,10 +326,10 @@ const createScene = (canvas, lost) => {
         gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, floor.picture);
       }
       drawFlat("square", [1, 1, 1, 1], scaled(floor.radius, 0, 0, ground), 1);
-    } else drawFlat("square", [0.1, 0.12, 0.15, 0.4], scaled(0.31, x, y, ground), 2);
-    if (circle > 0) drawFlat("circle", [...colors.good, 1], scaled(circle, 0, 0, ground + FLOOR_GAP));
-    if (singular > 0) drawFlat("circle", [...colors.bad, 1], scaled(singular, 0, 0, ground + FLOOR_GAP));
-    drawFlat("ring", [...colors.ink, 1], scaled(0.012, x, y, ground + 2 * FLOOR_GAP));
+    } else drawFlat("square", [0.1, 0.12, 0.15, 0.4], scaled(0.31 * scale, x, y, ground), 2);
+    if (circle > 0) drawFlat("circle", [...colors.good, 1], scaled(circle, 0, 0, ground + gap));
+    if (singular > 0) drawFlat("circle", [...colors.bad, 1], scaled(singular, 0, 0, ground + gap));
+    drawFlat("ring", [...colors.ink, 1], scaled(0.012 * scale, x, y, ground + 2 * gap));
 
     // The handle is as large at any distance, and nothing hides it.
     gl.disable(gl.DEPTH_TEST);

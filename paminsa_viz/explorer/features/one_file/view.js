@@ -144,7 +144,7 @@ const createView = (canvas, { shown, request, move, release }) => {
     if (!scene || !canvas.clientHeight) return;
     const aspect = canvas.clientWidth / canvas.clientHeight;
     const { robot } = shown();
-    const key = JSON.stringify([robot.mechanism, robot.guide, aspect]);
+    const key = JSON.stringify([robot.mechanism, robot.guide, robot.scale, aspect]);
     if (chosen && key !== fittedFor) {
       fittedFor = key;
       view = fittedView(robot, ...chosen.map((part) => part * Math.PI / 180), aspect);

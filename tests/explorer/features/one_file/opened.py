@@ -16,7 +16,10 @@ from tests.support.chromium import until, watch_errors
 
 START = Document(design=APPENDIX_4, pose=(0.08, 0.05, np.pi / 3, -0.55))
 OTHER = Document(
-    design=replace(APPENDIX_4.vary({"links.b3": 0.777, "payload.mass": 3.0}), name="Light, 3 kg"),
+    design=replace(
+        APPENDIX_4.vary({"links.b3": 0.777, "payload.mass": 3.0, "geometry.body_scale": 0.9}),
+        name="Light, 3 kg",
+    ),
     pose=(0.05, -0.03, 0.4, -0.55),
     reference=APPENDIX_4,
 )

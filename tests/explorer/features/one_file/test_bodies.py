@@ -17,7 +17,7 @@ from paminsa_viz.meshes.solids import plain_shapes
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics
 from paminsa_viz.model.arrays import Array
 from tests.explorer.features.one_file.node import run_in_node
-from tests.support.samples import random_design, random_poses
+from tests.support.samples import enlarged, random_design, random_poses
 
 POSE = (0.08, 0.05, np.pi / 3, -0.55)
 
@@ -85,8 +85,8 @@ def test_points_are_those_of_the_meshes(knee: KneeBranch, tmp_path: Path) -> Non
     first = APPENDIX_4.vary({"payload.mass": 4.0}).with_knee(knee)
     height = POSE[3] if knee is KneeBranch.LOWER else -POSE[3] - 0.02
     documents = [Document(design=first, pose=(*POSE[:3], height))]
-    for _ in range(3):
-        design = random_design(rng).with_knee(knee)
+    for size in (1.0, 1.0, 0.6):
+        design = random_design(rng).with_knee(knee).vary({"geometry.body_scale": size})
         documents.append(Document(design=design, pose=tuple(random_poses(rng, design, 1)[0])))
     worst: dict[str, float] = {}
     compared = 0
@@ -106,3 +106,20 @@ def test_points_are_those_of_the_meshes(knee: KneeBranch, tmp_path: Path) -> Non
     assert worst.pop("platform") < 2e-5
     assert {name: error for name, error in worst.items() if error > 1e-6} == {}
     assert compared > 0.9 * 4 * len(worst)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
+def test_a_small_robot_with_bodies_of_its_size_is_drawn_as_the_prototype(tmp_path: Path) -> None:
+    times = 0.1
+    whole = APPENDIX_4.vary({"payload.mass": 4.0})
+    documents = [
+        Document(design=design, pose=(size * POSE[0], size * POSE[1], POSE[2], size * POSE[3]))
+        for design, size in ((whole, 1.0), (enlarged(whole, times), times))
+    ]
+    large, small = (points_in_javascript([document], tmp_path)[0] for document in documents)
+    wanted = points_in_python(documents[1].design, documents[1].pose)
+    assert wanted.keys() == small.keys() == large.keys()
+    for name, points in small.items():
+        np.testing.assert_allclose(points, wanted[name], atol=1e-6 * times, err_msg=name)
+        np.testing.assert_allclose(points, times * large[name], atol=1e-6 * times, err_msg=name)
