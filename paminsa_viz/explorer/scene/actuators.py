@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.body_scale import times_body_scale
 from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.dimensions.placement import about_z
 from paminsa_viz.explorer.core.frame import Frame
@@ -114,6 +115,7 @@ def arrow_scales(design: Design) -> tuple[float, float]:
 
 
 @kept(8)
+@times_body_scale
 def _arc_places(geometry: Geometry) -> tuple[tuple[float, ...], ...]:
     height = ARC_HEIGHT * geometry.knee.sign
     return tuple((*geometry.base_radius * axis, height) for axis in LEG_AXES)
@@ -129,12 +131,12 @@ def torque_arrows(frame: Frame) -> Iterator[Node]:
     size, (torque, force) = symbol_size(geometry), arrow_scales(frame.shown_design)
     with np.errstate(all="ignore"):
         fractions = frame.torques / [torque, torque, torque, force]
-    lift = (*NEXT_TO_LIFT, frame.configuration.actuators[3])
+    lift = (*geometry.body_scale * NEXT_TO_LIFT, frame.configuration.actuators[3])
     places = (*_arc_places(geometry), lift)
     for index, fraction in enumerate(fractions):
         if np.isfinite(fraction) and abs(fraction) > 1e-4:
-            if index < 3:  # about its motor, which is as large in a small robot
-                shape = max(size, 1.0) * arc_arrow(fraction)
+            if index < 3:  # about its motor, which is as large in a robot of small lengths
+                shape = max(size, geometry.body_scale) * arc_arrow(fraction)
             else:
                 shape = size * force_arrow(fraction)
             color = palette.ACTUATOR_COLORS[index]
@@ -153,6 +155,7 @@ def torques_meaning(frame: Frame) -> LegendRow:
     return palette.ACTUATOR_COLORS, f"static torques, arc {turn}; F₄ {length}"
 
 
+@times_body_scale
 def label_places(geometry: Geometry) -> list[tuple[float, float, float]]:
     """Return the places of the names M1..M4 [m]."""
     radius = geometry.base_radius + 0.165

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from paminsa_viz.dimensions.body_scale import times_body_scale
 from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
 from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.core.frame import Frame
@@ -71,6 +72,7 @@ def preset(
     return _fitted(azimuth, elevation, _outline(geometry), aspect)
 
 
+@times_body_scale
 def _outline(geometry: Geometry) -> Array:
     """Return points around the whole machine, (n, 3) [m]."""
     place = layout(geometry)

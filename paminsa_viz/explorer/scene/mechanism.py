@@ -29,7 +29,7 @@ BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3,
 """End joints of the bars, in the order drawn; a bar's mass center is midway between them."""
 
 DOT: Final = 0.0085
-"""Radius of a joint's dot [m]."""
+"""Radius of a joint's dot beside the prototype's bodies [m]."""
 
 NUMBER_SIZE: Final = (16.0, 20.0)
 """Width and height of a joint's number on the screen [px]."""
@@ -78,12 +78,16 @@ def skeleton(frame: Frame) -> Iterator[Node]:
     """Draw the layer ``skeleton``: stick figure and joint numbers."""
     if not frame.drawable:
         return
-    points = frame.configuration.points
+    points, scale = frame.configuration.points, frame.configuration.geometry.body_scale
     bars = sticks(frame.configuration).reshape(-1, 2, 3)
     yield lines("/skeleton/lines", bars, stick_colors().reshape(-1, 2, 3), 3.5)
     joints = np.stack([points[joint] for joint in JOINTS], axis=1)
     colors = linear_colors(*palette.LEG_COLORS).repeat(len(JOINTS), axis=0)
-    yield copies("/skeleton/dots", ball(DOT), joints.reshape(-1, 3), batched_colors=colors)
+    places = joints.reshape(-1, 3)
+    yield copies(
+        "/skeleton/dots", ball(DOT), places, batched_colors=colors,
+        batched_scales=np.full(len(places), scale, np.float32),
+    )  # fmt: skip
     for leg, places in enumerate(joints, 1):
         for joint, place in zip(JOINTS, places, strict=True):
             name = f"/skeleton/numbers/{leg}/{joint}"

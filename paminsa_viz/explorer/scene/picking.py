@@ -12,7 +12,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import Configuration
 
 NEAR: Final = 0.022
-"""A click this near to the center of a joint means the joint [m]."""
+"""A click this near to the center of a joint means the joint, for the prototype's bodies [m]."""
 
 _JOINTS: Final[dict[str, tuple[int, ...]]] = {
     "b3": (4, 3, 7), "b4": (9, 4, 5), "b7": (8, 7), "b8": (8, 9), "shaft": (3, 2),
@@ -62,9 +62,10 @@ def picked(
             return Part(Kind.MOTOR, "M4", None)
         return Part(Kind.BAR, "b1", int(np.argmin(distance)))
     leg, kind = int(body[3]) - 1, body.rpartition("/")[2]
+    reach = NEAR * configuration.geometry.body_scale
     near = {joint: _distance(ray, points[joint][leg]) for joint in _JOINTS.get(kind, ())}
     joint = min(near, key=near.__getitem__, default=None)
-    if joint is not None and (kind not in _BARS or near[joint] < NEAR):
+    if joint is not None and (kind not in _BARS or near[joint] < reach):
         return Part(Kind.JOINT, str(joint), leg)
     return Part(Kind.BAR, _BARS[kind], leg)
 

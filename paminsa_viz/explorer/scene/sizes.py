@@ -8,7 +8,7 @@ from paminsa_viz.model import Geometry
 from paminsa_viz.model.resizing import length_ratio
 
 LEAST: Final = 0.5
-"""Smallest size: bars and motors of a small robot are drawn as thick as those of any."""
+"""Smallest size beside that of the bodies: bars and motors are as thick however short they are."""
 
 
 def symbol_size(geometry: Geometry) -> float:
@@ -16,4 +16,5 @@ def symbol_size(geometry: Geometry) -> float:
 
     In proportion to its lengths.
     """
-    return round(max(length_ratio(geometry), LEAST), 2)
+    bodies = geometry.body_scale
+    return bodies * round(max(length_ratio(geometry) / bodies, LEAST), 2)

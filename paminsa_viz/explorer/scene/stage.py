@@ -29,6 +29,9 @@ FLOOR_GLOW: Final = (168, 174, 184)
 
 SHADE_PIXELS: Final = 128
 
+SPOT_ABOVE: Final = 0.0012
+"""Height of the soft shadow over the ground, for the prototype's bodies [m]."""
+
 SHADOW: Final = "/stage/ground/below"
 """Scene name of the soft shadow below the platform."""
 
@@ -87,10 +90,11 @@ class Stage:
     def shadow_place(self, configuration: Configuration) -> tuple[float, float, float]:
         """Return where the soft shadow `SHADOW` lies below the platform [m]."""
         x, y = configuration.pose[:2]
-        return (float(x), float(y), self._height + 0.0012)
+        return (float(x), float(y), self._height)
 
     def _build(self, geometry: Geometry, dark: bool) -> None:
-        self._height = layout(geometry).ground
+        self._height = layout(geometry).ground + SPOT_ABOVE * geometry.body_scale
+        self._spot.scale = geometry.body_scale
         data = ground_glb(geometry, dark=dark)
         if self._ground is None:
             self._ground = self._scene.add_glb(

@@ -16,7 +16,7 @@ from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.sizes import LEAST, symbol_size
 from paminsa_viz.model import APPENDIX_4, LoadCase
 from paminsa_viz.model.design import Design
-from tests.support.samples import resized
+from tests.support.samples import enlarged, resized
 from tests.support.scene import POSE, Scene, frame_at
 
 LOADED = replace(APPENDIX_4, load=LoadCase(30.0, 0.0, -40.0, moment_z=5.0))
@@ -86,3 +86,49 @@ def test_symbols_are_of_a_stated_size_and_none_is_tiny() -> None:
     assert symbol_size(resized(APPENDIX_4, 0.1).geometry) == LEAST
     assert "F₄ 260 mm = " in meaning(APPENDIX_4)
     assert "F₄ 780 mm = " in meaning(resized(APPENDIX_4, 3.0))
+
+
+LENGTHS = (
+    "position", "points", "vertices", "batched_positions", "batched_scales", "radius",
+    "shaft_radius", "head_radius",
+)  # fmt: skip
+"""Properties of nodes that are lengths."""
+
+SHAPES = ("/skeleton/dots", "/masses/centers", "/joint_forces/bars")
+"""Nodes of one shape in the sizes of `batched_scales`."""
+
+SCALED = ("/gizmo", "/stage/ground/below", "/robot/platform/payload")
+"""Nodes in a size of their own."""
+
+SAMPLED = ("/path/", "/joint_limits/theta", "/floor/")
+"""Starts of the names of those that follow what is found at samples: the size alone is compared."""
+
+WITH_BODIES = (
+    "mesh", "skeleton", "torques", "labels", "path", "points", "joint_limits", "gizmo",
+    "floor_map", "workspace", "mass_centers", "utilization",
+)  # fmt: skip
+"""Layers whose symbols stand at bodies."""
+
+
+def test_a_robot_enlarged_with_its_bodies_looks_the_same(scene: Scene) -> None:
+    def lengths(design: Design, times: float) -> dict[tuple[str, str], Any]:
+        x, y, theta, z = POSE
+        scene.draw((times * x, times * y, theta, times * z), design, WITH_BODIES)
+        found = {(name, "scale"): np.array(scene.nodes[name].scale) for name in SCALED}
+        for name, node in scene.nodes.items():
+            for what in LENGTHS:
+                value = getattr(node, what, None)
+                if value is None or (name in SHAPES and what == "vertices") or "/stage/" in name:
+                    continue
+                value = np.array(value, float)
+                if name.startswith(SAMPLED) and what in ("points", "vertices"):
+                    value = np.ptp(value.reshape(-1, 3), axis=0).max()
+                found[name, what] = value
+        return found
+
+    design = APPENDIX_4.vary({"payload.mass": 1.0})
+    whole, small = lengths(design, 1.0), lengths(enlarged(design, 0.1), 0.1)
+    assert len(whole) > 100
+    for key, value in whole.items():
+        play = 0.1 if key[0].startswith(SAMPLED) and key[1] != "position" else 1e-3
+        np.testing.assert_allclose(small[key], 0.1 * value, rtol=play, atol=1e-5, err_msg=str(key))

@@ -26,18 +26,19 @@ def contact_marks(frame: Frame) -> Iterator[Node]:
     design, pose = frame.shown_design, frame.configuration.pose
     if not np.isfinite(pose).all():
         return
+    scale = design.geometry.body_scale
     found, shape = contacts(design, pose), ball(RADIUS)
     for leg, gap in enumerate(found.gap):
         pairs = np.flatnonzero(gap < 0)
         for pair in pairs:
             yield mesh(
-                f"/contacts/{leg + 1}-{pair}", shape.vertices, shape.faces, BAD,
+                f"/contacts/{leg + 1}-{pair}", scale * shape.vertices, shape.faces, BAD,
                 place=found.point[leg, pair], opacity=0.5, side="front",
             )  # fmt: skip
         if pairs.size:
             top = max(found.point[leg, pairs], key=lambda place: place[2])
             text = ", ".join(map(pair_name, pairs.tolist()))
-            place = top + np.array([0.0, 0.0, RADIUS])
+            place = top + np.array([0.0, 0.0, scale * RADIUS])
             yield label(f"/contacts/{leg + 1}", text, place, "bottom-center", 0.8)
 
 
@@ -53,5 +54,6 @@ def nearest_bodies(frame: Frame) -> Iterator[Node]:
     color = BAD if found.distance < 0 else little
     yield curves("/clearance/line", [found.points], color, 4.0)
     text = f"{found.names[0]} – {found.names[1]}: {format_value(found.distance, 'm', 3)}"
-    place = found.points.mean(axis=0) + np.array([0.0, 0.0, ABOVE])
+    above = ABOVE * frame.shown_design.geometry.body_scale
+    place = found.points.mean(axis=0) + np.array([0.0, 0.0, above])
     yield label("/clearance/label", text, place, "bottom-center")

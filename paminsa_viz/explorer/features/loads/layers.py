@@ -95,7 +95,8 @@ def bar_sleeves(frame: Frame) -> Iterator[Node]:
     use = bars_at(at)[1]
     largest = float(use.max())
     values = use[:, [BARS.index(bar) for bar in _STICKS]].reshape(-1)
-    positions, turns, scales = sleeve_places(bar_lines(frame.configuration))
+    size = frame.configuration.geometry.body_scale
+    positions, turns, scales = sleeve_places(bar_lines(frame.configuration), size)
     yield copies(
         "/joint_forces/bars", _tube(), positions, batched_wxyzs=turns, batched_scales=scales,
         batched_colors=hue_colors(values, ForceScale(0.0, max(largest, 1e-12))),
@@ -137,12 +138,18 @@ def bar_lines(configuration: Configuration) -> Array:
     beta = configuration.beta
     across = np.stack([-np.sin(beta), np.cos(beta), np.zeros(3)], axis=-1)
     aside = np.array([LAYER.get(bar, 0.0) for bar in _STICKS])
+    aside *= configuration.geometry.body_scale
     lines += aside[:, None, None] * across[:, None, None, :]
     return lines.reshape(-1, 2, 3)
 
 
-def sleeve_places(lines: Array) -> tuple[Array, Array, Array]:
-    """Return middles, quaternions and scales of cylinders along z that cover lines (n, 2, 3)."""
+def sleeve_places(lines: Array, size: float = 1.0) -> tuple[Array, Array, Array]:
+    """Return middles, quaternions and scales of cylinders along z that cover lines (n, 2, 3).
+
+    Args:
+        lines: Center lines of the bars, in the order of `bar_lines` [m].
+        size: Size of the bodies over the prototype's.
+    """
     along = lines[:, 1] - lines[:, 0]
     length = np.linalg.norm(along, axis=1)
     direction = along / np.maximum(length, 1e-12)[:, None]
@@ -152,6 +159,6 @@ def sleeve_places(lines: Array) -> tuple[Array, Array, Array]:
     )
     turns[direction[:, 2] < -1 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
     turns /= np.linalg.norm(turns, axis=1)[:, None]
-    radius = np.tile([SLEEVES[bar] for bar in _STICKS], len(lines) // len(_STICKS))
+    radius = size * np.tile([SLEEVES[bar] for bar in _STICKS], len(lines) // len(_STICKS))
     scales = np.stack([radius, radius, length], axis=1)
     return lines.mean(axis=1), turns, scales

@@ -86,7 +86,7 @@ class Cursor:
             return
         last = state.last_reachable.geometry
         self._nodes.show(_marks(symbol_size(last)))
-        ground = layout(last).ground + ABOVE["ring"]
+        ground = layout(last).ground + last.body_scale * ABOVE["ring"]
         self._frame.position = (place[0], place[1], ground)
         height = place[2] + last.platform_joint_height - ground
         self._point.position = (0.0, 0.0, height)

@@ -34,7 +34,8 @@ ABOVE: Final = {
     "circle": 0.0040,
     "ring": 0.0050,
 }
-"""Heights over the ground, above its soft shadows, so that nothing flickers through [m]."""
+"""Heights over the ground, above its soft shadows, so that nothing flickers through, for the
+prototype's bodies [m]."""
 
 PERIOD, PERIOD_PLAIN = 0.1, 0.3
 """Time from one map to the next during a drag [s], with a graphics card and without: a new
@@ -78,7 +79,7 @@ class FloorMap:
         self._dispatch = context.dispatch
         self._store = context.maps or MapStore()
         scene = context.scene
-        self._height = 0.0
+        self._height, self._size = 0.0, 1.0
         self._due = 0.0
         flat: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False, "visible": False}
         clear = np.zeros((2, 2, 4), dtype=np.uint8)
@@ -99,9 +100,9 @@ class FloorMap:
     def _draw(self, frame: Frame, dragging: bool, *, same_colors: bool = False) -> None:
         state = frame.state
         layers, last_reachable = state.layers, state.last_reachable
-        self._stand(layout(last_reachable.geometry).ground)
+        self._stand(layout(last_reachable.geometry).ground, last_reachable.geometry.body_scale)
         x, y = last_reachable.pose[:2]
-        self._ring.position = (x, y, self._height + ABOVE["ring"])
+        self._ring.position = (x, y, self._above("ring"))
         self._mark.show(_mark(symbol_size(last_reachable.geometry)))
         if not dragging or time.monotonic() >= self._due:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
@@ -122,11 +123,14 @@ class FloorMap:
         self._draw(frame, True, same_colors=True)
         return self._key is not before
 
-    def _stand(self, height: float) -> None:
-        if height == self._height:
+    def _above(self, what: str) -> float:
+        return self._height + self._size * ABOVE[what]
+
+    def _stand(self, height: float, size: float) -> None:
+        if (height, size) == (self._height, self._size):
             return
-        self._height = height
-        self._map.position = (0.0, 0.0, height + ABOVE["map"])
+        self._height, self._size = height, size
+        self._map.position = (0.0, 0.0, self._above("map"))
         self._curves_key = ()
 
     def _draw_map(self, state: State, dragging: bool, same_colors: bool) -> None:
@@ -168,17 +172,19 @@ class FloorMap:
         outline = contours.pieces(contours.boundary(data)) if "workspace" in seen else []
         if outline:
             found = np.stack([resampled(piece, OUTLINE) for piece in outline])
-            height = self._height + ABOVE["boundary"]
+            height = self._above("boundary")
             nodes.append(flat_curves("/floor/workspace", found, INK, width, height=height))
         circle = contours.pieces(contours.singular_circle(data)) if "singularity" in seen else []
         if circle:
-            found = np.concatenate([dashes(segments(piece), DASH)[..., :2] for piece in circle])
-            height = self._height + ABOVE["circle"]
+            found = np.concatenate(
+                [dashes(segments(piece), self._size * DASH)[..., :2] for piece in circle]
+            )
+            height = self._above("circle")
             nodes.append(flat_curves("/floor/singularity", found, INK, width, height=height))
         self._curves.show(nodes)
 
     async def _click(self, event: Any) -> None:
-        place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
+        place = where_on_floor(event.ray_origin, event.ray_direction, self._above("map"))
         if place is not None:
             self._dispatch("floor click", lambda state: click_map(state, *place))
 

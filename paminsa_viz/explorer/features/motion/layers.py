@@ -27,7 +27,9 @@ WIDTH: Final = 5.0
 DASH: Final = 0.008
 """Length of a dash where the motion fails [m]."""
 ABOVE: Final = 0.0045
-"""Height of the path's shadow over the ground, above the map and below the mark [m]."""
+"""Height of the path's shadow over the ground, above the map and below the mark [m].
+
+Both are beside the prototype's bodies."""
 
 
 def path_scale(analysis: TrajectoryAnalysis, actuator: int) -> ForceScale:
@@ -45,13 +47,19 @@ def motion_path(frame: Frame) -> tuple[Node, ...]:
     state = frame.state
     if frame.analysis is None:
         return ()
-    height = layout(state.last_reachable.geometry).ground + ABOVE
-    return _drawn(frame.analysis, state.plots.color, height, state.playback.piece)
+    geometry = state.last_reachable.geometry
+    size = geometry.body_scale
+    height = layout(geometry).ground + size * ABOVE
+    return _drawn(frame.analysis, state.plots.color, height, state.playback.piece, size)
 
 
 @kept(4)
 def _drawn(
-    analysis: TrajectoryAnalysis, actuator: int, height: float, piece: tuple[float, float] | None
+    analysis: TrajectoryAnalysis,
+    actuator: int,
+    height: float,
+    piece: tuple[float, float] | None,
+    size: float,
 ) -> tuple[Node, ...]:
     found = split_path(analysis)
     torque = analysis.torque[found.samples, actuator]
@@ -66,7 +74,7 @@ def _drawn(
     bad = [found.place[run] for run in found.bad]
     return (
         lines("/path/way", way, colors, WIDTH),
-        curves("/path/failing", bad, BAD, WIDTH, dash=DASH),
+        curves("/path/failing", bad, BAD, WIDTH, dash=size * DASH),
         curves("/path/below", [found.place[:, :2]], INK, height=height),
     )
 

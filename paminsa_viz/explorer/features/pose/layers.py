@@ -27,7 +27,7 @@ CELLS: Final = 41
 """Positions along a side of the map by which the range of theta_k is found."""
 
 INNER, OUTER = 0.125, 0.185
-"""Radii of a sector [m]; the arrows of the torques turn inside it."""
+"""Radii of a sector beside the prototype's bodies [m]; arrows of the torques turn inside it."""
 
 ABOVE: Final = 0.034
 """Height of what is drawn over the guides' plane, clear of their bodies [m]."""
@@ -78,8 +78,13 @@ def around(angles: Array) -> tuple[float, float]:
     return start, start + width
 
 
-def sector(start: float, end: float) -> tuple[Array, NDArray[np.uint32]]:
-    """Return a flat sector about z as points (n, 3) [m] and faces (m, 3)."""
+def sector(start: float, end: float, size: float = 1.0) -> tuple[Array, NDArray[np.uint32]]:
+    """Return a flat sector about z as points (n, 3) [m] and faces (m, 3).
+
+    Args:
+        start, end: Its angles [rad].
+        size: Size of the bodies over the prototype's.
+    """
     angle = np.linspace(start, end, STEPS + 1)
     ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     i = np.arange(STEPS)
@@ -88,7 +93,7 @@ def sector(start: float, end: float) -> tuple[Array, NDArray[np.uint32]]:
         [np.stack([inner, outer, outer + 1], 1), np.stack([inner, outer + 1, inner + 1], 1)]
     )
     points = np.concatenate([INNER * ring, OUTER * ring])
-    return points, faces.astype(np.uint32)
+    return size * points, faces.astype(np.uint32)
 
 
 def marks(configuration: Configuration) -> Array:
@@ -98,15 +103,17 @@ def marks(configuration: Configuration) -> Array:
     ends, and a tick where joint 8 is.
     """
     geometry, beta = configuration.geometry, configuration.beta
+    size = geometry.body_scale
     axis = configuration.points[2] * [1.0, 1.0, 0.0]
-    axis[:, 2] = ABOVE * geometry.knee.sign
+    axis[:, 2] = size * ABOVE * geometry.knee.sign
     heading = np.stack([np.cos(beta), np.sin(beta), np.zeros(3)], axis=-1)
     across = np.stack([-np.sin(beta), np.cos(beta), np.zeros(3)], axis=-1)
     place8 = np.einsum("li,li->l", configuration.points[8] - axis, heading)[:, None]
     stroke = geometry.stroke
     low, high, here = (axis + end * heading for end in (-stroke, stroke, place8))
-    pairs = [(axis + INNER * heading, axis + OUTER * heading), (low, high)]
-    pairs += [(place - TICK * across, place + TICK * across) for place in (low, high, here)]
+    across *= size * TICK
+    pairs = [(axis + size * INNER * heading, axis + size * OUTER * heading), (low, high)]
+    pairs += [(place - across, place + across) for place in (low, high, here)]
     return np.stack([np.stack(pair, axis=1) for pair in pairs], axis=1)
 
 
@@ -134,12 +141,13 @@ class JointLimits:
 
 
 def _sector_nodes(geometry: Geometry, ranges: tuple[tuple[float, float], ...]) -> Iterator[Node]:
-    height = ABOVE * geometry.knee.sign
+    size = geometry.body_scale
+    height = size * ABOVE * geometry.knee.sign
     for leg, (start, end) in enumerate(ranges):
         # theta_k is counted from the direction toward the robot's axis
         zero = AXIS_ANGLES[leg] + np.pi
         yield mesh(
-            f"/joint_limits/theta_{leg + 1}", *sector(start + zero, end + zero),
+            f"/joint_limits/theta_{leg + 1}", *sector(start + zero, end + zero, size),
             LEG_COLORS[leg], place=(*geometry.base_radius * LEG_AXES[leg], height),
             opacity=0.35, flat_shading=True,
         )  # fmt: skip

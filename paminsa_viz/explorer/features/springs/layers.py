@@ -20,7 +20,7 @@ TURNS: Final = 10
 """Turns of a spring as it is drawn."""
 
 WIDTH: Final = 0.03
-"""Width of a spring as it is drawn [m]."""
+"""Width of a spring as it is drawn beside the prototype's bodies [m]."""
 
 END: Final = 0.12
 """Share of its length that is straight at each end."""
@@ -32,11 +32,12 @@ def fitted_springs(frame: Frame) -> Iterator[Node]:
     if found is None or not frame.drawable:
         return
     ink, configuration = frame.state.theme.ink, frame.configuration
+    width = WIDTH * configuration.geometry.body_scale
     for index, spring in enumerate(found.springs):
         if not spring.stiffness:
             continue
         ends = spring_ends(configuration, spring)
-        yield curves(f"/springs/{index}", zigzags(ends), ink, 2.5)
+        yield curves(f"/springs/{index}", zigzags(ends, width), ink, 2.5)
         if spring.first.kind in ("slider", "guide"):
             foot = ends[:, 0] * [1.0, 1.0, 0.0]
             masts = np.stack([foot, ends[:, 0]], axis=1)
@@ -60,7 +61,7 @@ def _place(configuration: Configuration, anchor: Anchor) -> Array:
     return axis + along[:, None] * heading + height[:, None] * [0.0, 0.0, 1.0]
 
 
-def zigzags(ends: Array) -> Array:
+def zigzags(ends: Array, width: float = WIDTH) -> Array:
     """Return springs between their ends (n, 2, 3) as curves in upright planes, (n, m, 3) [m]."""
     start, span = ends[:, 0], ends[:, 1] - ends[:, 0]
     level = np.hypot(span[:, 0], span[:, 1])
@@ -72,5 +73,5 @@ def zigzags(ends: Array) -> Array:
         [[0.0, END], np.linspace(END, 1 - END, 2 * TURNS + 2)[1:-1], [1 - END, 1]]
     )
     side = np.zeros(share.size)
-    side[2:-2] = WIDTH / 2 * (-1.0) ** np.arange(2 * TURNS)
+    side[2:-2] = width / 2 * (-1.0) ** np.arange(2 * TURNS)
     return start[:, None] + share[:, None] * span[:, None] + side[:, None] * across[:, None]

@@ -62,15 +62,16 @@ def mode_shape(frame: Frame) -> tuple[Node, ...]:
         return ()
     size = symbol_size(outcome.job.design.geometry)
     text = mode_text(mode, found.frequencies[mode], LONGEST_SWING * size)
-    return _animated(outcome.job.pose, found.shapes, mode, text, size)
+    radius = TUBE * outcome.job.design.geometry.body_scale
+    return _animated(outcome.job.pose, found.shapes, mode, text, size, radius)
 
 
 @kept(2)
 def _animated(
-    pose: Pose, shapes: CenterLines, mode: int, text: str, size: float
+    pose: Pose, shapes: CenterLines, mode: int, text: str, size: float, radius: float
 ) -> tuple[Node, ...]:
     moves = shapes.moves[..., mode] * LONGEST_SWING * size / shapes.largest[mode]
-    data = vibrating_glb(shapes.points, moves, radius=TUBE, color=MODE_COLOR, period=PERIOD)
+    data = vibrating_glb(shapes.points, moves, radius=radius, color=MODE_COLOR, period=PERIOD)
     x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
