@@ -26,19 +26,27 @@ def by_group(design: Design, pose: Array) -> dict[PairGroup, Clearance]:
     return {group: clearance(design, pose, [group]) for group in PairGroup}
 
 
-THICK_AS_DRAWN = "bodies are drawn as thick as the prototype's"
+def size_advice(geometry: Geometry) -> str:
+    """Return which size bodies should have that do not go with the lengths, "" for others.
+
+    One that is not the prototype's was chosen.
+    """
+    if geometry.body_scale != 1.0 or is_prototype_sized(geometry):
+        return ""
+    times = length_ratio(geometry)
+    return (
+        f"bodies are as large as the prototype's, lengths {number(times, 3)} times as long: set "
+        f"s_b, the size of the bodies, to about {number(times, 2)}"
+    )
 
 
 def size_blocks(geometry: Geometry) -> list[Note]:
-    """Return what distances say of a robot whose lengths are far from the prototype's."""
-    if is_prototype_sized(geometry):
+    """Return what distances say of a robot whose bodies do not go with its lengths."""
+    advice = size_advice(geometry)
+    if not advice:
         return []
-    times = number(length_ratio(geometry), 3)
-    text = (
-        f"{THICK_AS_DRAWN.capitalize()}, and the lengths are {times} times as long as its: these "
-        "are not the distances of a machine that is built of parts of its own size."
-    )
-    return [Note(text, "warn")]
+    text = "These are not the distances of a machine that is built of parts of its own size: "
+    return [Note(f"{text}{advice}.", "warn")]
 
 
 def pose_blocks(

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from paminsa_viz.blocks.clearance import THICK_AS_DRAWN
+from paminsa_viz.blocks.clearance import size_advice
 from paminsa_viz.clearance import NearestPoints, clearance_reason
 from paminsa_viz.explorer.state.clearance import MotionJob, PoseJob
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model.resizing import is_prototype_sized
 from paminsa_viz.plots.series_builders import MotionClearance
 from paminsa_viz.trajectory import TrajectoryAnalysis
 
@@ -48,6 +47,5 @@ def reason(state: State) -> tuple[float, str]:
     if found is None:
         return float("nan"), ""
     why = clearance_reason(found.distance, found.names, state.clearance.settings.required)
-    if why and not is_prototype_sized(state.last_reachable.geometry):
-        why += f"; {THICK_AS_DRAWN}"
-    return found.distance, why
+    advice = size_advice(state.last_reachable.geometry)
+    return found.distance, f"{why}; {advice}" if why and advice else why

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 from paminsa_viz.clearance import (
     ALL_PAIRS,
@@ -10,10 +11,13 @@ from paminsa_viz.clearance import (
     PairGroup,
 )
 from paminsa_viz.explorer.state.outcome import Outcome
-from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, setting
-from paminsa_viz.model import Design
+from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, followed, setting
+from paminsa_viz.model import Design, Geometry
 from paminsa_viz.plots.series_builders import MotionClearance
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
+
+_REQUIRED: Final = (0.0, 0.1)
+"""Ends of the least distance [m]."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +33,14 @@ class ClearanceSettings(Settings):
     required: float = setting(
         0.005, "Warn below [mm]",
         "Least distance of two bodies; less is a warning at the pose and along the motion",
-        range=(0.0, 0.1), unit=MILLIMETERS,
+        range=_REQUIRED, unit=MILLIMETERS,
     )  # fmt: skip
+
+
+def sized_clearance(settings: ClearanceSettings, was: Geometry, now: Geometry) -> ClearanceSettings:
+    """Return a least distance that follows the size of the bodies, unless it was chosen."""
+    powers = {"required": (1, _REQUIRED)}
+    return followed(settings, ClearanceSettings(), powers, was.body_scale, now.body_scale)
 
 
 @dataclass(frozen=True)

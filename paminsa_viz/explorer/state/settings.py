@@ -105,7 +105,7 @@ def _at_first(value: float, power: int, ratio: float, ends: tuple[float, float])
     Args:
         value: The value at about Appendix 4's lengths.
         power: Power of the lengths that it follows.
-        ratio: A length of the robot over Appendix 4's.
+        ratio: A length of the robot, or the size of its bodies, over Appendix 4's.
         ends: The smallest and the largest that are possible.
     """
     if is_comparable(ratio):
@@ -126,7 +126,7 @@ def followed(
         owner: Attributes, some of which follow the lengths.
         first: The same for the prototype.
         powers: Powers of the lengths, and ends of what is possible, by attribute.
-        was: A length of the robot that it was for, over Appendix 4's.
+        was: A length or the size of the bodies of the robot that it was for, over Appendix 4's.
         now: The same of the robot that it is for.
     """
     changes = {}

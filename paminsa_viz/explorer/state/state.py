@@ -8,7 +8,7 @@ from typing import Any
 from paminsa_viz.explorer.state.accuracy import EncoderState, WorstErrorsState
 from paminsa_viz.explorer.state.balance import BalanceState
 from paminsa_viz.explorer.state.calibration import CalibrationState
-from paminsa_viz.explorer.state.clearance import ClearanceState
+from paminsa_viz.explorer.state.clearance import ClearanceState, sized_clearance
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.drives import DrivesState
 from paminsa_viz.explorer.state.export import ExportSettings
@@ -149,7 +149,9 @@ def initial_state(design: Design = APPENDIX_4) -> State:
 
 
 def sized(state: State, was: Geometry) -> State:
-    """Return the state with what follows the robot's lengths, but for what a person has chosen.
+    """Return the state with what follows the robot's lengths and the size of its bodies.
+
+    What a person has chosen stays.
 
     Args:
         state: The state.
@@ -160,5 +162,7 @@ def sized(state: State, was: Geometry) -> State:
         return state
     springs = sized_springs(state.springs.settings, was, now)
     simulation = sized_simulation(state.simulation.settings, was, now)
+    clearance = sized_clearance(state.clearance.settings, was, now)
     state = state.updated("springs", settings=springs).updated("simulation", settings=simulation)
+    state = state.updated("clearance", settings=clearance)
     return state.updated("document", motion=sized_motion(document.motion, was, now))

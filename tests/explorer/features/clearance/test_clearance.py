@@ -27,10 +27,11 @@ from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
+from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.plots.series_builders import motion_clearance
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
-from tests.support.samples import prototype_times
+from tests.support.samples import enlarged, prototype_times
 
 PANEL = CLEARANCE
 
@@ -69,12 +70,16 @@ def test_overlap_is_said_in_red(state: State) -> None:
     assert "overlap" in clearance_html(compute(overlapping))
 
 
-def test_of_a_small_robot_is_said_that_bodies_are_those_of_the_prototype() -> None:
-    for size, said in ((0.1, True), (1.5, False)):
-        small = known(initial_state(prototype_times(size)))
-        small = small.updated("clearance.settings", required=0.1)
-        assert ("as thick as the prototype's" in known_clearance.reason(small)[1]) == said
-        assert (f"the lengths are {size:g} times as long" in clearance_html(compute(small))) == said
+def test_of_a_small_robot_is_said_how_large_its_bodies_should_be() -> None:
+    for design, said in (
+        (prototype_times(0.1), "set s_b, the size of the bodies, to about 0.1"),
+        (prototype_times(1.5), ""),
+        (enlarged(APPENDIX_4, 0.1), ""),
+    ):
+        small = known(initial_state(design)).updated("clearance.settings", required=0.1)
+        for text in (known_clearance.reason(small)[1], clearance_html(compute(small))):
+            assert said in text
+            assert ("s_b" in text) == bool(said)
 
 
 def test_pairs_can_be_left_out(state: State) -> None:
