@@ -82,6 +82,16 @@ def test_of_a_small_robot_is_said_how_large_its_bodies_should_be() -> None:
             assert ("s_b" in text) == bool(said)
 
 
+def test_least_distance_follows_the_size_of_the_bodies_unless_it_was_chosen(state: State) -> None:
+    def required(state: State, size: float) -> float:
+        return actions.vary(state, {"geometry.body_scale": size}).clearance.settings.required
+
+    assert required(state, 0.1) == 0.0005
+    assert required(state, 1.5) == 0.005
+    chosen = state.updated("clearance.settings", required=0.003)
+    assert required(chosen, 0.1) == 0.003
+
+
 def test_pairs_can_be_left_out(state: State) -> None:
     all_pairs = known_clearance.nearest(known(state))
     assert all_pairs is not None
