@@ -36,7 +36,7 @@ def size_advice(geometry: Geometry) -> str:
     times = length_ratio(geometry)
     return (
         f"bodies are as large as the prototype's, lengths {number(times, 3)} times as long: set "
-        f"s_b, the size of the bodies, to about {number(times, 2)}"
+        f"s_b, the size of the bodies among the lengths, to about {number(times, 2)}"
     )
 
 

@@ -78,7 +78,7 @@ GROUPS = (
         "Lengths", "Arms, shafts and guides",
         ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
     ),
-    SliderGroup("Lengths", "Size of the bodies", (BODY_SCALE,), open=False),
+    SliderGroup("Lengths", "Size of the bodies", (BODY_SCALE,)),
     SliderGroup(
         "Masses", "Inertias of platform and payload", ("platform.inertia", "payload.inertia"),
         open=False,

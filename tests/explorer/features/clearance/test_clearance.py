@@ -72,7 +72,7 @@ def test_overlap_is_said_in_red(state: State) -> None:
 
 def test_of_a_small_robot_is_said_how_large_its_bodies_should_be() -> None:
     for design, said in (
-        (prototype_times(0.1), "set s_b, the size of the bodies, to about 0.1"),
+        (prototype_times(0.1), "set s_b, the size of the bodies among the lengths, to about 0.1"),
         (prototype_times(1.5), ""),
         (enlarged(APPENDIX_4, 0.1), ""),
     ):
