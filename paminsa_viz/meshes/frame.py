@@ -39,8 +39,9 @@ FLIP = turn("y", np.pi)
 """Turns the base plate over; it keeps the three leg directions where they are."""
 
 
-MOST_CIRCLES = 2000
-"""Circles on the ground at most: there are more below a large robot of tiny bodies."""
+MOST_CIRCLES = 540
+"""Circles on the ground at most, as many as `packed` has points for: below a huge robot, or one of
+tiny bodies, they are ten times as far apart, or a hundred times."""
 
 
 def ground(radius: float, place: FrameLayout) -> MeshPart:
@@ -53,7 +54,9 @@ def ground(radius: float, place: FrameLayout) -> MeshPart:
     part = MeshPart().add("floor", fan(outline * (1 - 0.002 / radius), top))
     part.add("rim", loft([low, high]))
     # Circles every 0.2 m for scale; they protrude by less than the images on the floor.
-    step = max(0.2, radius / MOST_CIRCLES)
+    step = 0.2
+    while radius > MOST_CIRCLES * step:
+        step *= 10
     for line in np.arange(step, radius - 0.05, step):
         part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
     return part

@@ -36,7 +36,7 @@ DIGITS: Final = 7
 GRAIN: Final = 1e-7
 """Step of the points' coordinates [m]."""
 
-LONGEST: Final = 200.0
+LONGEST: Final = 150.0
 """Length from which on the step grows, as coordinates are whole numbers of 32 bits [m]."""
 
 TIE: Final = 1e-3
@@ -79,11 +79,12 @@ def pack_bodies(geometry: Geometry) -> dict[str, Any]:
         ``payload``: the payload's height over the joints of the platform by knee [m].
     """
     packed, blocks = {}, []
-    geometry = geometry_over_scale(geometry)
-    grain = GRAIN * max(1.0, max(body_lengths(geometry).values()) / LONGEST)
+    of_knee = {knee: geometry_over_scale(replace(geometry, knee=knee)) for knee in KneeBranch}
+    longest = max(abs(one) for each in of_knee.values() for one in body_lengths(each).values())
+    grain = GRAIN * max(1.0, longest / LONGEST)
     with plain_shapes():
         for name, knee, shape in _shapes():
-            body = geometry if knee is None else replace(geometry, knee=knee)
+            body = of_knee[geometry.knee if knee is None else knee]
             packed[name], block = _packed(shape, body, grain)
             blocks.append(block)
     return {
@@ -95,10 +96,8 @@ def pack_bodies(geometry: Geometry) -> dict[str, Any]:
         "grain": grain,
         "neck": CARRIAGE_RADIUS,
         "payload": {
-            knee.value: round(
-                payload_offset(replace(geometry, knee=knee))[2] - geometry.platform_joint_height, 6
-            )
-            for knee in KneeBranch
+            knee.value: round(payload_offset(each)[2] - each.platform_joint_height, 6)
+            for knee, each in of_knee.items()
         },
         "block": base64.b64encode(b"".join(blocks)).decode("ascii"),
     }

@@ -144,5 +144,5 @@ def test_lengths_over_a_small_size_may_be_beyond_those_of_a_robot() -> None:
     tiny = APPENDIX_4.vary({"geometry.body_scale": 1e-4}).geometry
     assert geometry_over_scale(tiny).base_radius == pytest.approx(3500.0)
     assert layout(tiny).mast_radius > tiny.base_radius
-    assert len(make_body(tiny, "ground").solids) < 2100
+    assert len(make_body(tiny, "ground").solids) < 600
     assert np.isfinite(make_body(tiny, "base").bounds()).all()

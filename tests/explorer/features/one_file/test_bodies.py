@@ -123,3 +123,12 @@ def test_a_small_robot_with_bodies_of_its_size_is_drawn_as_the_prototype(tmp_pat
     for name, points in small.items():
         np.testing.assert_allclose(points, wanted[name], atol=1e-6 * times, err_msg=name)
         np.testing.assert_allclose(points, times * large[name], atol=1e-6 * times, err_msg=name)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
+def test_bodies_that_are_tiny_beside_the_lengths_are_drawn(tmp_path: Path) -> None:
+    design = APPENDIX_4.vary({"geometry.body_scale": 1e-4})
+    (found,) = points_in_javascript([Document(design=design, pose=POSE)], tmp_path)
+    for name, points in points_in_python(design, POSE).items():
+        np.testing.assert_allclose(found[name], points, atol=1e-6, err_msg=name)
