@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Note, Row, Table, rows
+from paminsa_viz.blocks.proofs import largest_blocks
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirement_text import (
+    RequirementText,
     ascii_unit,
+    heading_ends,
+    headings_text,
     requirement_label,
     requirement_text,
-    shape_text,
+    workspace_text,
+    worst_text,
 )
-from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
-from paminsa_viz.synthesis.proof.evidence import Evidence, Proof, Verdict
-from paminsa_viz.synthesis.proof.families import Method
-from paminsa_viz.synthesis.proof.largest import LargestWorkspace, largest_workspace
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.proof.largest import largest_workspace
 from paminsa_viz.synthesis.volume.causes import CauseKind
 from paminsa_viz.synthesis.volume.check import Over, RequirementsCheck, check_requirements
 from paminsa_viz.synthesis.volume.conflict import Conflict, VolumeRelaxation
@@ -35,7 +37,6 @@ from paminsa_viz.units import (
     format_value,
     interval_text,
     number,
-    rounded_to_side,
     si_unit,
 )
 
@@ -52,18 +53,6 @@ _OVER = {
 }
 
 
-Text = Callable[[Requirement], str]
-"""A requirement as text: a label with symbols, or what `parse_requirement` reads."""
-
-
-_PROPERTIES = {
-    "reach": "reachable: margin to every limit",
-    "singularity": "no singular pose: distance to them",
-    "home": "joined to home",
-}
-"""What is proven besides the requirements."""
-
-
 def requirements_blocks(design: Design, requirements: Requirements) -> list[Block]:
     """Return the verdicts, the volume, and the largest workspace that is proven."""
     volume = solve_volume(design, requirements)
@@ -75,7 +64,7 @@ def check_blocks(
     requirements: Requirements,
     check: RequirementsCheck,
     conflict: Conflict | None = None,
-    text: Text = requirement_label,
+    text: RequirementText = requirement_label,
 ) -> list[Block]:
     """Return the verdicts, the volume if it was solved, and the fewest that contradict."""
     blocks = _checks(check, requirements, text)
@@ -116,26 +105,9 @@ def required_texts(requirements: Requirements | None) -> list[str]:
     ]
 
 
-def headings_text(requirements: Requirements, digits: int = 4) -> str:
-    """Return the headings that are required: ``θ −30° to 30°``, or ``θ 0°`` for one alone."""
-    return f"θ {' to '.join(_headings(requirements, digits))}"
-
-
-def _headings(requirements: Requirements, digits: int = 4) -> list[str]:
-    """Return the ends of the range of headings, or the only one."""
-    return list(dict.fromkeys(format_value(end, "rad", digits) for end in requirements.theta))
-
-
-def workspace_text(workspace: Workspace) -> str:
-    """Return a workspace for people: shape, sizes and center."""
-    places = zip("xyz", workspace.center, strict=True)
-    center = [
-        f"{name} {'free' if place is None else format_value(place, 'm')}" for name, place in places
-    ]
-    return f"{shape_text(workspace)} about {', '.join(center)}"
-
-
-def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) -> list[Block]:
+def _checks(
+    check: RequirementsCheck, requirements: Requirements, text: RequirementText
+) -> list[Block]:
     head = ("Requirement", "Verdict", "Worst value", "Margin", "Pose")
     found = tuple(check_row(item, requirements, text) for item in check.items)
     blocks: list[Block] = []
@@ -151,7 +123,7 @@ def _checks(check: RequirementsCheck, requirements: Requirements, text: Text) ->
 
 
 def check_row(
-    item: RequirementCheck, requirements: Requirements, text: Text = requirement_label
+    item: RequirementCheck, requirements: Requirements, text: RequirementText = requirement_label
 ) -> Row:
     """Return a requirement's verdict, worst value, margin, and the pose of the worst value."""
     bound = None if item.requirement is None else requirements.bounds[item.requirement]
@@ -163,25 +135,13 @@ def check_row(
     return Row(cells, "plain" if item.holds else "marked")
 
 
-def worst_text(value: float, bound: Requirement | None) -> str:
-    """Return a worst value, rounded toward the end of a bound that it is nearest to, or beyond.
-
-    So it never reads as better than it is. Without a bound it is the least distance to a limit.
-    """
-    if bound is None:
-        return format_value(value, "m", up=False)
-    low = -math.inf if bound.low is None else bound.low
-    high = math.inf if bound.high is None else bound.high
-    return format_value(value, bound.entry.unit, up=high - value < value - low)
-
-
 def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
     """Return what the worst values of a check are over."""
-    span = "from" if len(_headings(requirements)) > 1 else "at"
+    span = "from" if len(heading_ends(requirements)) > 1 else "at"
     return f"Worst values {_OVER[check.over]}, {span} {headings_text(requirements)}"
 
 
-def _volume(volume: Volume, text: Text) -> list[Block]:
+def _volume(volume: Volume, text: RequirementText) -> list[Block]:
     nodes = (
         f"On {counted(volume.cause.size, 'node')} {format_value(volume.cell, 'm', 3)} apart and "
         f"{counted(volume.headings, 'heading')}."
@@ -239,7 +199,7 @@ def _percent(share: float) -> str:
 
 
 def conflict_notes(
-    requirements: Requirements, conflict: Conflict, text: Text = requirement_label
+    requirements: Requirements, conflict: Conflict, text: RequirementText = requirement_label
 ) -> list[Note]:
     """Return the fewest requirements that contradict, and which bounds of them would do."""
     free = requirements.workspace is None
@@ -253,7 +213,7 @@ def conflict_notes(
     return [first, *(_relaxation(requirements, item, text) for item in conflict.relaxations)]
 
 
-def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: Text) -> Note:
+def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: RequirementText) -> Note:
     bound = requirements.bounds[item.requirement]
     if item.relaxed is None or item.by is None:
         return Note(f"{text(bound)}: no other bound of it helps.")
@@ -277,42 +237,6 @@ def _largest(design: Design, requirements: Requirements) -> list[Block]:
     except PaminsaError as error:
         return [Note(f"The largest workspace is not known: {error}.", "warn")]
     return list(largest_blocks(requirements, found))
-
-
-def verdict_text(proof: Proof) -> str:
-    """Return what a proof came to as a whole, and whether it leaves requirements out."""
-    if proof.verdict is Verdict.PROVEN and proof.sampled:
-        return "proven, but for requirements that are only sampled"
-    return proof.verdict.value
-
-
-_LEVELS: dict[Verdict, Literal["ok", "warn"]] = {Verdict.PROVEN: "ok", Verdict.SAMPLED: "warn"}
-
-
-def evidence_table(proof: Proof, text: Text = requirement_label) -> Table:
-    """Return what a proof rests on, with the worst values, ``≤`` where a bound is proven."""
-    rows = []
-    for item in proof.evidence:
-        label = _PROPERTIES.get(item.name, item.name)
-        if item.requirement is not None:
-            label = text(item.requirement)
-        cells = (label, item.verdict.value, item.method.value, _worst(item))
-        rows.append(Row(cells, level=_LEVELS.get(item.verdict, "bad")))
-    head = ("Requirement", "Verdict", "By", "Worst value")
-    return Table(head, tuple(rows), "What the proof rests on.", words=3)
-
-
-def _worst(item: Evidence) -> str:
-    bound = item.requirement
-    if not math.isfinite(item.margin):
-        return ""
-    if bound is None:
-        return worst_text(item.margin, None)
-    if math.isnan(item.bound):
-        return f"margin {format_value(item.margin, bound.entry.unit, up=False)}"
-    proven = item.method is not Method.SAMPLED and item.verdict is Verdict.PROVEN
-    sign = ("≤ " if bound.low is None else "≥ ") if proven else ""
-    return sign + worst_text(item.bound, bound)
 
 
 def check_data(
@@ -370,137 +294,10 @@ def check_data(
     return data
 
 
-_MORE_TIME = "more time may decide it"
-
-
-def proof_blocks(
-    requirements: Requirements, proof: Proof, text: Text = requirement_label, *,
-    advice: str = _MORE_TIME,
-) -> list[Block]:  # fmt: skip
-    """Return what a proof over the required workspace came to, and what it rests on.
-
-    Args:
-        requirements: What had to be proven.
-        proof: The proof.
-        text: How requirements are written.
-        advice: What may decide a proof that boxes are left of.
-    """
-    kind = "ok" if proof.verdict is Verdict.PROVEN else "bad"
-    blocks: list[Block] = [
-        Note(f"Requirements over the {_place(requirements)}: {verdict_text(proof)}", kind),
-        evidence_table(proof, text),
-    ]
-    if proof.pose is not None:
-        blocks.append(Note(f"broken at {format_pose(proof.pose)}"))
-    blocks.append(Note(f"{_effort(proof)}; {len(proof.remaining):,} open"))
-    if proof.verdict is Verdict.UNDECIDED and len(proof.remaining):  # a path from home needs none
-        blocks.append(Note(advice))
-    return blocks
-
-
-def largest_blocks(
-    requirements: Requirements, found: LargestWorkspace, text: Text = requirement_label, *,
-    advice: str = _MORE_TIME,
-) -> list[Table | Note]:  # fmt: skip
-    """Return the largest proven workspace, what ends it, and what its proof rests on.
-
-    Args:
-        requirements: What has to hold over it.
-        found: The answer.
-        text: How requirements are written.
-        advice: What may decide a search that has proven nothing yet.
-    """
-    if found.workspace is None:
-        undecided = found.proof.verdict is Verdict.UNDECIDED
-        why = "undecided" if undecided else "none"
-        head = Note(f"Largest workspace: {why}{_cause(found, text)}", "bad")
-        # a path from home is looked for once, however long the search
-        return [head, Note(advice)] if undecided and found.cause != "home" else [head]
-    # what is told is no larger than what is proven, and no smaller than what breaks
-    size, beyond = (
-        tuple(rounded_to_side(extent, 4, up=up) for extent in extents)
-        for extents, up in ((found.workspace.size, False), (found.limit, True))
-    )
-    place = _place(replace(requirements, workspace=replace(found.workspace, size=size)))
-    limit = workspace_text(replace(found.workspace, size=beyond))
-    sampled = bool(found.proof.sampled)
-    what = "Largest workspace by proof and samples" if sampled else "Largest proven workspace"
-    blocks: list[Table | Note] = [
-        Note(f"{what}: {place}", "warn" if sampled else "ok"),
-        Note(f"gap {format_value(found.gap, 'm', 3)} to {limit}{_cause(found, text)}"),
-        evidence_table(found.proof, text),
-        Note(_effort(found)),
-    ]
-    if sampled:
-        doubt = "what is only sampled is not proven: a pose between samples may break it"
-        blocks.append(Note(f"{doubt}, whatever the gap", "warn"))
-    return blocks
-
-
-def _effort(found: Proof | LargestWorkspace) -> str:
-    return f"{counted(found.boxes, 'box', 'boxes')}, {found.seconds:.1f} s"
-
-
-def _place(requirements: Requirements) -> str:
-    assert requirements.workspace is not None
-    return f"{workspace_text(requirements.workspace)}, {headings_text(requirements)}"
-
-
-def _cause(found: LargestWorkspace, text: Text) -> str:
-    if found.cause == "home":
-        return ": no path from home to its center"
-    if found.cause == "volume":
-        return ": no position meets all requirements"
-    name = found.cause if found.requirement is None else text(found.requirement)
-    if not name:
-        return ""
-    place = "" if found.pose is None else f" breaks at {format_pose(found.pose)}"
-    return f": {name}{place}"
-
-
 def quantities_table() -> Table:
     """Return the quantities that can be bounded, and the units of their bounds."""
     cells = ((key, ascii_unit(entry.display), entry.title) for key, entry in QUANTITIES.items())
     return Table(("Quantity", "Unit", ""), rows(*cells), words=3)
-
-
-def proof_data(proof: Proof) -> dict[str, Any]:
-    """Return a proof for other programs, in SI units."""
-    region = proof.region
-    return {
-        "verdict": proof.verdict.name.lower(),
-        **record(region, "shape", "center_m", "theta_rad"),
-        "size_m": [2 * half for half in region.half],
-        "evidence": [
-            {
-                "requirement": _evidence_text(item),
-                "method": item.method.name.lower(),
-                "verdict": item.verdict.name.lower(),
-                "unit": "m" if item.requirement is None else si_unit(item.requirement.entry.unit),
-                **record(item, "margin", "pose", "boxes"),
-            }
-            for item in proof.evidence
-        ],
-        "path_from_home": proof.path,
-        "open_boxes": len(proof.remaining),
-        **record(proof, "boxes", "seconds"),
-    }
-
-
-def _evidence_text(item: Evidence) -> str:
-    return item.name if item.requirement is None else requirement_text(item.requirement)
-
-
-def largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
-    """Return the largest proven workspace for other programs, in SI units."""
-    return {
-        **robot(design),
-        "found": found.workspace is not None,
-        **record(found, "gap_m", "limit_m", "cause"),
-        "broken": None if found.requirement is None else requirement_text(found.requirement),
-        "pose_outside": found.pose,
-        **proof_data(replace(found.proof, boxes=found.boxes, seconds=found.seconds)),
-    }
 
 
 def quantities_data() -> dict[str, Any]:

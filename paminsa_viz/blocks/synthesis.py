@@ -11,16 +11,16 @@ from typing import Any
 from paminsa_viz.blocks.data import record
 from paminsa_viz.blocks.design import changes_table
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, rows
-from paminsa_viz.blocks.requirements import (
-    evidence_table,
+from paminsa_viz.blocks.proofs import evidence_table, verdict_text
+from paminsa_viz.model.design import Design, stated_parameters
+from paminsa_viz.quantities.quantity import Quantity
+from paminsa_viz.quantities.requirement_text import (
     headings_text,
-    verdict_text,
+    requirement_label,
+    requirement_text,
     workspace_text,
     worst_text,
 )
-from paminsa_viz.model.design import Design, stated_parameters
-from paminsa_viz.quantities.quantity import Quantity
-from paminsa_viz.quantities.requirement_text import requirement_label, requirement_text
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import (
     BoundOutcome,

@@ -10,13 +10,10 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from paminsa_viz.blocks.data import robot
+from paminsa_viz.blocks.proofs import largest_blocks, largest_data, proof_blocks, proof_data
 from paminsa_viz.blocks.requirements import (
     check_blocks,
     check_data,
-    largest_blocks,
-    largest_data,
-    proof_blocks,
-    proof_data,
     quantities_data,
     quantities_table,
 )

@@ -15,13 +15,22 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.registry import QUANTITIES
-from paminsa_viz.quantities.requirements import Range, Requirement, Workspace, WorkspaceShape
-from paminsa_viz.units import MM, DisplayUnit, display_unit, number
+from paminsa_viz.quantities.requirements import (
+    Range,
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+from paminsa_viz.units import MM, DisplayUnit, display_unit, format_value, number
 
 LONGEST = 300
 """Longest text [characters]."""
 
 EXAMPLE = "condition <= 10"
+
+RequirementText = Callable[[Requirement], str]
+"""A requirement as text: a label with symbols, or what `parse_requirement` reads."""
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 _SIGN = r"(?:<=|>=|≤|≥|<|>)"
@@ -213,3 +222,34 @@ def shape_text(workspace: Workspace) -> str:
     if workspace.shape is WorkspaceShape.CYLINDER:
         return f"cylinder ⌀ {x} × {z} mm"
     return f"box {x} × {y} × {z} mm"
+
+
+def headings_text(requirements: Requirements, digits: int = 4) -> str:
+    """Return the headings that are required: ``θ −30° to 30°``, or ``θ 0°`` for one alone."""
+    return f"θ {' to '.join(heading_ends(requirements, digits))}"
+
+
+def heading_ends(requirements: Requirements, digits: int = 4) -> list[str]:
+    """Return the ends of the range of headings, or the only one."""
+    return list(dict.fromkeys(format_value(end, "rad", digits) for end in requirements.theta))
+
+
+def workspace_text(workspace: Workspace) -> str:
+    """Return a workspace for people: shape, sizes and center."""
+    places = zip("xyz", workspace.center, strict=True)
+    center = [
+        f"{name} {'free' if place is None else format_value(place, 'm')}" for name, place in places
+    ]
+    return f"{shape_text(workspace)} about {', '.join(center)}"
+
+
+def worst_text(value: float, bound: Requirement | None) -> str:
+    """Return a worst value, rounded toward the end of a bound that it is nearest to, or beyond.
+
+    So it never reads as better than it is. Without a bound it is the least distance to a limit.
+    """
+    if bound is None:
+        return format_value(value, "m", up=False)
+    low = -math.inf if bound.low is None else bound.low
+    high = math.inf if bound.high is None else bound.high
+    return format_value(value, bound.entry.unit, up=high - value < value - low)

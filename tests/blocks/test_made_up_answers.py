@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks import proofs
 from paminsa_viz.blocks import requirements as words
 from paminsa_viz.blocks.kinds import Note
 from paminsa_viz.blocks.synthesis import (
@@ -173,12 +174,12 @@ def test_a_worst_value_never_reads_as_better_than_it_is() -> None:
         assert words.check_row(checking, asked).cells[2] == told
         if bound is not BOTH:
             proof.evidence = [Evidence.of(bound, Method.BISECTION, Verdict.UNDECIDED, margin)]
-            assert cells(words.evidence_table(proof))[0][3] == told
+            assert cells(proofs.evidence_table(proof))[0][3] == told
         outcome = BoundOutcome(bound, value, margin, False)
         result: Any = SimpleNamespace(outcomes=(outcome,))
         assert cells(outcomes_table(result))[0][2] == told
     proof.evidence = [Evidence("reach", Method.CLOSED_FORM, Verdict.PROVEN, 0.0123456)]
-    assert cells(words.evidence_table(proof))[0][3] == "12.34 mm"
+    assert cells(proofs.evidence_table(proof))[0][3] == "12.34 mm"
 
 
 def test_what_a_proof_rests_on() -> None:
@@ -196,7 +197,7 @@ def test_what_a_proof_rests_on() -> None:
         evidence=evidence, verdict=Verdict.REFUTED, sampled=(CONDITION,), pose=pose, boxes=12345,
         seconds=1.25, remaining=np.zeros((1234, 2, 4)),
     )  # fmt: skip
-    table = words.evidence_table(proof, lambda bound: bound.quantity)
+    table = proofs.evidence_table(proof, lambda bound: bound.quantity)
     assert [(row[0], row[1], row[3]) for row in cells(table)] == [
         ("reachable: margin to every limit", "proven", "3 mm"),
         ("joined to home", "proven", ""),
@@ -212,7 +213,7 @@ def test_what_a_proof_rests_on() -> None:
         shape=WorkspaceShape.BOX, center=(0.1, 0.2, 0.3), theta=(-0.1, 0.2), half=(0.4, 0.5, 0.6)
     )
     whole: Any = Proof(Verdict.REFUTED, region, evidence, boxes=7, seconds=1.5)  # type: ignore
-    data = words.proof_data(whole)
+    data = proofs.proof_data(whole)
     units = [one["unit"] for one in data["evidence"]]
     assert units == ["m", "m", "1", "N m", "N/m", "N/m", "N m"]
     assert (data["size_m"], data["center_m"]) == ([0.8, 1.0, 1.2], (0.1, 0.2, 0.3))
@@ -225,31 +226,31 @@ def test_what_a_proof_rests_on() -> None:
             workspace=workspace, requirement=broken, proof=whole, gap=0.01, limit=(1.0, 2.0, 3.0),
             cause="max_torque", pose=pose, boxes=99, seconds=9.5,
         )  # fmt: skip
-        data = words.largest_data(APPENDIX_4, found)
+        data = proofs.largest_data(APPENDIX_4, found)
         assert data["found"] == (workspace is not None)
         assert data["broken"] == (broken and "max_torque <= 15 N m")
         assert (data["boxes"], data["seconds"], data["gap_m"]) == (99, 9.5, 0.01)
     asked = Requirements((CONDITION,), (-0.1, 0.2), PLACE)
-    notes = said(words.proof_blocks(asked, proof))
+    notes = said(proofs.proof_blocks(asked, proof))
     assert notes[0][0].startswith("Requirements over the box 200 × 100 × 300 mm about x 10 mm, ")
     assert notes[0][0].endswith("θ −5.73° to 11.46°: refuted")
-    one = words.proof_blocks(replace(asked, theta=(0.1, 0.1)), proof)
+    one = proofs.proof_blocks(replace(asked, theta=(0.1, 0.1)), proof)
     assert said(one)[0][0].endswith(", θ 5.73°: refuted")
     assert notes[0][1] == "bad"
     assert notes[1][0].startswith("broken at x 10 mm")
     assert notes[2][0] == "12,345 boxes, 1.2 s; 1,234 open"
     proven = SimpleNamespace(**vars(proof) | {"verdict": Verdict.PROVEN, "pose": None})
-    notes = said(words.proof_blocks(asked, proven))  # type: ignore
+    notes = said(proofs.proof_blocks(asked, proven))  # type: ignore
     assert len(notes) == 2
     for remaining, advice in ((proof.remaining, ["more"]), ([], [])):  # a path is no matter of time
         changes = {"verdict": Verdict.UNDECIDED, "pose": None, "remaining": remaining}
         undecided: Any = SimpleNamespace(**vars(proof) | changes)
-        blocks = words.proof_blocks(asked, undecided, advice="more")
+        blocks = proofs.proof_blocks(asked, undecided, advice="more")
         assert [note for note, _ in said(blocks)[2:]] == advice
     assert notes[0][0].endswith("proven, but for requirements that are only sampled")
     assert notes[0][1] == "ok"
     whole: Any = SimpleNamespace(**vars(proven) | {"sampled": ()})
-    assert words.verdict_text(whole) == "proven"
+    assert proofs.verdict_text(whole) == "proven"
 
 
 def test_requirements_of_a_report_are_checked_finely_and_the_largest_workspace_is_asked_for(
@@ -289,7 +290,7 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
 
     def text(**changes: Any) -> list[tuple[str, str]]:
         one: Any = SimpleNamespace(**vars(found) | changes)
-        blocks = words.largest_blocks(asked, one, lambda bound: bound.quantity)
+        blocks = proofs.largest_blocks(asked, one, lambda bound: bound.quantity)
         return said(blocks)
 
     begin = "Largest workspace: "

@@ -23,6 +23,7 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements, Works
 from paminsa_viz.studies.metrics import RUNS
 from paminsa_viz.studies.study import OK
 from paminsa_viz.synthesis import Buildability
+from paminsa_viz.synthesis.proof.evidence import Verdict
 from paminsa_viz.synthesis.search.case import Regime
 from paminsa_viz.synthesis.search.result import BoundOutcome
 from paminsa_viz.synthesis.volume.causes import CauseKind, VolumeCause
@@ -144,7 +145,7 @@ def test_parts_of_an_answer_are_there_where_they_say_something() -> None:
     assert captions(outcomes=(unknown, kept)) == ["Requirements at the "]
     longer = APPENDIX_4.vary({"geometry.base_radius": 0.4})
     assert captions(design=longer) == ["Lengths and masses t"]
-    proof = SimpleNamespace(verdict=requirements.Verdict.PROVEN, sampled=(), evidence=(), pose=None)
+    proof = SimpleNamespace(verdict=Verdict.PROVEN, sampled=(), evidence=(), pose=None)
     assert captions(proof=proof) == ["What the proof rests"]
     notes = said(synthesis.synthesis_blocks(answer(proof=proof)))
     assert notes[-1] == ("Proof over the whole workspace: proven.", "plain")
@@ -191,7 +192,7 @@ def test_an_answer_as_data() -> None:
     }  # fmt: skip
     assert robots["robot"]["moving_mass_kg"] == 33.0
     assert synthesis.synthesis_data(answer(), 1.0)["buildability"] is None
-    proof = SimpleNamespace(verdict=requirements.Verdict.PROVEN)
+    proof = SimpleNamespace(verdict=Verdict.PROVEN)
     assert plain(synthesis.synthesis_data(answer(proof=proof), 1.0)["proof"]) == "proven"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from viser import Icon
 
 from paminsa_viz.blocks.kinds import Table
-from paminsa_viz.blocks.requirements import largest_blocks
+from paminsa_viz.blocks.proofs import largest_blocks
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.requirements import actions
 from paminsa_viz.explorer.kit.entries import Answer, Button, Html, Then

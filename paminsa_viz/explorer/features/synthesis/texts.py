@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from paminsa_viz.blocks.kinds import Note, Table
-from paminsa_viz.blocks.requirements import headings_text, workspace_text
 from paminsa_viz.blocks.synthesis import (
     buildability_blocks,
     effort_note,
@@ -21,7 +20,12 @@ from paminsa_viz.explorer.features.synthesis.cases import case_of
 from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.quantities.requirement_text import requirement_label, shape_text
+from paminsa_viz.quantities.requirement_text import (
+    headings_text,
+    requirement_label,
+    shape_text,
+    workspace_text,
+)
 from paminsa_viz.units import number
 
 
