@@ -50,7 +50,7 @@ def _failures_of(analysis: TrajectoryAnalysis) -> tuple[Failure, ...]:
     check, t = analysis.check, analysis.trajectory.t
     first = check.first
     if first is None:
-        return ()
+        return tuple(Failure(one.t, one.t, "torques have no bound") for one in analysis.unbounded)
     bad = check.status != Limit.OK
     change = (np.diff(check.status) != 0) | (np.diff(check.leg) != 0)
     edges = [0, *(np.flatnonzero(change) + 1).tolist(), t.size]
@@ -170,7 +170,8 @@ def _failure_sentences(data: SeriesData) -> list[str]:
     if len(found) > NAMED_FAILURES:
         named.append(f"and {len(found) - NAMED_FAILURES} more")
     sentences = [f"The motion fails, shaded: {'; '.join(named)}."]
-    if data.kind in ("torques", "power", "energy"):
+    cut = not data.sources.analysis.check.possible
+    if cut and data.kind in ("torques", "power", "energy"):
         sentences.append("Numbers are for the time before.")
     return sentences
 

@@ -34,6 +34,8 @@ from paminsa_viz.trajectory import (
     PRESET,
     Controller,
     ControlMode,
+    CrossingLoad,
+    Locus,
     TrajectoryAnalysis,
     analyze,
     point_to_point,
@@ -359,6 +361,17 @@ def test_a_failure_before_those_at_samples_is_one_more(analysis, motion) -> None
     for panel in data.panels:
         assert not panel.notes
         assert all(np.isnan(trace.values).all() for trace in panel.traces)
+
+
+def test_a_crossing_at_which_torques_have_no_bound_is_an_instant_that_fails(analysis) -> None:
+    wild = replace(analysis)  # nothing of it is kept
+    at = CrossingLoad(0.123456, Locus.CIRCLE, 1.0, 9.0, (0.0,) * 4)
+    object.__setattr__(wild, "unbounded", (at,))
+    found = failures(build_series("torques", SeriesSources(wild)))
+    assert [(each.start, each.end) for each in found] == [(at.t, at.t)]
+    text = text_of("torques", wild)
+    assert "The motion fails, shaded: at 0.1235 s torques have no bound." in text
+    assert "Numbers are for" not in text  # they are those of all samples
 
 
 def test_captions_say_what_is_compared_and_what_is_summed(analysis, light, motion) -> None:
