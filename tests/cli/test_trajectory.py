@@ -167,9 +167,15 @@ def test_a_singularity_is_crossed_within_the_torque_limit(capsys) -> None:
     code, out, _ = run(capsys, *words, "--reference", "heavy.toml")
     assert code == 0
     assert 'reference "heavy": fails at 0.1794 s: torques have no bound' in out
-    code, out, err = run(capsys, "--file", "a.csv", "--design", "heavy.toml")
+    heavy = ("--file", "a.csv", "--design", "heavy.toml")
+    code, out, err = run(capsys, *heavy, "--out", "heavy.csv", "--out", "heavy.html")
     assert (code, "can run it" in out, err.count("\n")) == (1, False, 1)
-    assert "cannot be run: at 0.1794 s: torques have no bound" in err
+    why = "at 0.1794 s: torques have no bound"
+    assert f"cannot be run: {why}" in err
+    assert f"# first failure: {why}" in Path("heavy.csv").read_text()
+    assert f"The motion fails {why}" in Path("heavy.html").read_text()
+    code, _, err = commands.run("loads", capsys, *heavy)
+    assert (code, f"cannot be run: {why}" in err) == (1, True)
     code, _, err = run(capsys, *words[:-3], "5")
     assert (code, err.count("\n")) == (1, 1)
     assert "times as large" in err
