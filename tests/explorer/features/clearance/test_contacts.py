@@ -28,6 +28,10 @@ def test_balls_are_where_bars_would_touch(scene: Scene) -> None:
     label = scene.nodes["/contacts/2"].position
     np.testing.assert_allclose(label[:2], top[:2])
     assert 0.0 < label[2] - top[2] < 0.05
+    whole, above = np.ptp(scene.nodes[name].vertices), label[2] - top[2]
+    scene.draw(design=APPENDIX_4.vary({"geometry.body_scale": 0.5}), layers=["contacts"])
+    assert np.ptp(scene.nodes[name].vertices) == pytest.approx(whole / 2)
+    assert scene.nodes["/contacts/2"].position[2] - top[2] == pytest.approx(above / 2)
 
 
 @pytest.mark.slow

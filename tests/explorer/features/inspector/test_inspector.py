@@ -134,6 +134,11 @@ def test_click_on_a_bar_means_it_and_near_a_joint_the_joint() -> None:
     between = (four + five) / 2 if np.linalg.norm(five - four) > 0.1 else (nine + four) / 2
     assert picked(where, "leg2/b4", eye, between - eye) == B4
     assert picked(where, "leg2/b4", eye, five - eye) == Part(Kind.JOINT, "5", 1)
+    aside = np.cross(five - eye, [0.0, 0.0, 1.0])
+    near = five - eye + 0.015 * aside / np.linalg.norm(aside)
+    assert picked(where, "leg2/b4", eye, near) == Part(Kind.JOINT, "5", 1)
+    thin = replace(where, geometry=replace(where.geometry, body_scale=0.5))
+    assert picked(thin, "leg2/b4", eye, near) == B4
     arm = where.points[2][2] * [0.5, 0.5, 1.0]
     assert picked(where, "carriage", eye, arm - eye) == Part(Kind.BAR, "b1", 2)
     assert picked(where, "m2", eye, five - eye) == Part(Kind.MOTOR, "M2", 1)

@@ -10,7 +10,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.features.files.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.features.springs import actions as springs
-from paminsa_viz.explorer.features.springs.layers import fitted_springs
+from paminsa_viz.explorer.features.springs.layers import fitted_springs, zigzags
 from paminsa_viz.explorer.features.springs.tab import SPRINGS, springs_html
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.springs import SpringsFrom
@@ -89,6 +89,8 @@ def test_springs_are_drawn_as_long_as_they_are(start: SpringsFrom, off_center: S
     np.testing.assert_allclose(drawn[:, -1, 1], compute(state).configuration.points[9], atol=1e-6)
     np.testing.assert_allclose(drawn[:, 0, 0], masts.live["points"][:, 1], atol=1e-6)
     np.testing.assert_allclose(masts.live["points"][..., 2], [[0.0, 0.07]] * 3, atol=1e-6)
+    upright = zigzags(np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]]), 0.04)
+    assert np.ptp(upright[..., :2].reshape(-1, 2), axis=0).max() == pytest.approx(0.04)
     assert not list(fitted_springs(compute(springs.FIT.forget(state))))
 
 
