@@ -39,6 +39,8 @@ SEARCHED = {
     "geometry.crank_length": (0.1, 0.6),
     "geometry.coupler_length": (0.2, 0.7),
 }
+FOLLOWING = ("geometry.arm_length", "geometry.guide_link_length")
+"""Lengths that follow from those that are searched."""
 
 
 def without_rounding(design):
@@ -110,8 +112,8 @@ def compact(generations: int = 50):
     def robot(lengths, stroke=None):
         values = dict(zip(SEARCHED, map(float, lengths), strict=True))
         share = values["geometry.base_radius"] / APPENDIX_4.geometry.base_radius
-        values["geometry.arm_length"] = round(share * APPENDIX_4.geometry.arm_length, 3)
-        values["geometry.guide_link_length"] = stroke or 0.9
+        following = (round(share * APPENDIX_4.geometry.arm_length, 3), stroke or 0.9)
+        values |= zip(FOLLOWING, following, strict=True)
         return resized(APPENDIX_4, values)
 
     def cost(lengths):

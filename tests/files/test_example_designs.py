@@ -14,7 +14,8 @@ from paminsa_viz.actuation.selection import size_design
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
-from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
+from paminsa_viz.model import APPENDIX_4, resized, static_imbalance, static_torques
+from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.trajectory import PRESET
 
 SCRIPT = Path(__file__).parents[2] / "assets" / "make_designs.py"
@@ -73,6 +74,14 @@ def test_compact_robot_meets_its_needs_in_two_thirds_of_the_radius(
     other = script["workspace"](script["top_of"](APPENDIX_4), finer=4)
     assert footprint(design, poses) == pytest.approx(0.482, abs=5e-4)
     assert footprint(APPENDIX_4, other) == pytest.approx(0.732, abs=5e-4)
+
+
+def test_masses_of_the_compact_robot_are_those_of_its_lengths(script: dict[str, Any]) -> None:
+    held = example_design(ExampleDesign.COMPACT)
+    lengths = {path: held.value(path) for path in (*script["SEARCHED"], *script["FOLLOWING"])}
+    made = balance(resized(APPENDIX_4, lengths)).after
+    for path in PARAMETER:
+        assert held.value(path) == pytest.approx(made.value(path), rel=1e-12), path
 
 
 @pytest.mark.slow
