@@ -155,7 +155,8 @@ def own_html(frame: Frame) -> str:
     if same and outcome is not None and outcome.result is not None:
         sized = size_design(outcome.result.selection.cycle, design)
     table = own_table(design, sized).columns(0, 1, 3, 4)
-    return render("drives/own.j2", table=table, any=any(design.drives))
+    some = any(design.drives)
+    return render("drives/own.j2", table=table, any=some, is_measured=any(sized))
 
 
 def _found(state: State) -> bool:

@@ -77,6 +77,8 @@ def test_the_choice_is_the_designs_and_can_be_undone_and_shared(found: State) ->
     text = panel.own_html(compute(chosen))
     assert text.count("pv-good-text") == 4
     assert "Changed since" not in panel.list_html(compute(chosen))
+    unmeasured = panel.own_html(compute(chosen.updated("drives", outcome=None)))
+    assert ("measures them" in unmeasured, "measures them" in text) == (True, False)
     one = panel.choose(found.updated("drives", actuator=3, row=1), 1)
     assert [drive is not None for drive in one.document.design.drives] == [False] * 3 + [True]
     assert not any(actions.change_design(chosen, drives=(None,) * 4).document.design.drives)
