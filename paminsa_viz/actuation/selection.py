@@ -25,6 +25,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.progress import Progress, go_on, of_part
 
 ROTARY = 3
 """Actuators M1..M3, which may have the same drive."""
@@ -137,8 +138,12 @@ class Selection:
         )
         return replace(design, drives=drives)
 
-    def advice(self, actuator: int) -> str:
-        """Return what would make an actuator's drive feasible, in words; empty if one is."""
+    def advice(self, actuator: int, progress: Progress = go_on) -> str:
+        """Return what would make an actuator's drive feasible, in words; empty if one is.
+
+        Raises:
+            Canceled: If ``progress``, which is called now and then, ends it.
+        """
         if len(self.rows[actuator]):
             return ""
         sizing = self.sizings[actuator]
@@ -147,7 +152,9 @@ class Selection:
             f"no drive fits; the nearest is {nearest.drive.name}, whose {nearest.limit} is "
             f"{100 * nearest.use:.4g} % of its limit"
         )
-        factor = fitting_time(self.cycle, actuator, sizing.table, inertia_ratio=sizing.most_inertia)
+        factor = fitting_time(
+            self.cycle, actuator, sizing.table, inertia_ratio=sizing.most_inertia, progress=progress
+        )
         if not np.isfinite(factor):
             return f"{text}; no slower motion makes one fit"
         if factor == 1:  # each actuator has one, but not the same for all
@@ -164,6 +171,7 @@ def select_drives(
     order: Order = "mass",
     inertia_ratio: float = np.inf,
     same: bool = False,
+    progress: Progress = go_on,
 ) -> Selection:
     """Measure every pair of a catalog on a duty cycle and put the feasible ones in order.
 
@@ -173,16 +181,20 @@ def select_drives(
         order: What comes first.
         inertia_ratio: Largest inertia of the robot over that of the motor, at the motor's shaft.
         same: Whether M1..M3 have to have the same drive; they are listed by the worst of the three.
+        progress: Called now and then.
 
     Raises:
+        Canceled: If ``progress`` ends it.
         CatalogError: If the catalog lacks motors, gears, or screws and belts.
         InvalidInput: If the order or the ratio of inertias is not possible.
     """
     rotary, linear = catalog.pairs(0), catalog.pairs(ROTARY)
     tables = (rotary, rotary, rotary, linear)
     sizings = tuple(
-        size_drives(load, table, inertia_ratio=inertia_ratio)
-        for load, table in zip(cycle.loads, tables, strict=True)
+        size_drives(
+            load, table, inertia_ratio=inertia_ratio, progress=of_part(progress, j / 4, (j + 1) / 4)
+        )
+        for j, (load, table) in enumerate(zip(cycle.loads, tables, strict=True))
     )
     rows = [sizing.ordered(order) for sizing in sizings]
     if same:

@@ -14,6 +14,7 @@ from paminsa_viz.actuation.duty import BLOCK_WIDTH, ActuatorLoad, DutyCycle, Dut
 from paminsa_viz.checks import kinds_checked, require_positive
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.progress import Progress, go_on, keep_on, of_part
 
 # ------------------------------------------------------------- temperature of windings over a cycle
 # A winding is one thermal mass: with the time constant t_th its rise over that at the rated torque
@@ -130,17 +131,22 @@ def rms_torque(load: ActuatorLoad, table: DriveTable, ratio: Array | None = None
 
 
 def envelope_share(
-    load: ActuatorLoad, table: DriveTable, ratio: Array | None = None
+    load: ActuatorLoad, table: DriveTable, ratio: Array | None = None, progress: Progress = go_on
 ) -> tuple[Array, NDArray[np.intp]]:
     """Return the largest share of the torque-speed envelope that is used, and at which sample.
 
     For a concave envelope it is the largest of (|tau| + k |speed|)/a over its lines, for another
     |tau| over the torque at that speed; at most 1 either way where the envelope is kept.
+    ``progress`` is called after some drives each.
 
     Returns:
         (n,) share, infinite beyond the top speed of an envelope that is not concave, and (n,)
         index of the sample.
+
+    Raises:
+        Canceled: If ``progress`` ends it.
     """
+    done = 0
     share, worst = np.zeros(len(table)), np.zeros(len(table), np.intp)
     factors = table.factors(ratio)
     n = table.ratio if ratio is None else ratio
@@ -152,6 +158,8 @@ def envelope_share(
         for start in range(0, len(chosen), step):
             rows = chosen[start : start + step]
             share[rows], worst[rows] = look(load, table[rows], factors[rows], n[rows])
+            done += len(rows)
+            keep_on(progress, done / len(table))
     return share, worst
 
 
@@ -332,15 +340,23 @@ def ordered(table: DriveTable, use: Array, order: Order = "mass") -> NDArray[np.
 
 
 @kinds_checked
-def size_drives(load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float = np.inf) -> Sizing:
+def size_drives(
+    load: ActuatorLoad,
+    table: DriveTable,
+    *,
+    inertia_ratio: float = np.inf,
+    progress: Progress = go_on,
+) -> Sizing:
     """Measure drives on a load.
 
     Args:
         load: What the actuator has to do.
         table: The drives, with their ratios.
         inertia_ratio: Largest inertia of the robot over that of the motor, at the motor's shaft.
+        progress: Called now and then.
 
     Raises:
+        Canceled: If ``progress`` ends it.
         InvalidInput: If there is no drive, or the ratio of inertias is not positive.
     """
     if not len(table):
@@ -348,32 +364,48 @@ def size_drives(load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float =
     require_positive(inertia_ratio, "inertia_ratio", finite=False)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = load.inertia / (table.ratio**2 * table.inertia)
-    return Sizing(
-        load, table, rms_torque(load, table), envelope_share(load, table)[0], own, inertia_ratio
-    )
+    envelope, _ = envelope_share(load, table, progress=progress)
+    return Sizing(load, table, rms_torque(load, table), envelope, own, inertia_ratio)
 
 
 SLOWEST = 1e3
 """Largest factor on the time that is tried."""
+
+LEFT = 0.9
+"""Part of what is left that counts as left once a factor on the time has been tried."""
 
 SMALL_STEP = 2.0**0.125
 """Ratio of two factors on the time where a slower motion may also ask more of a drive."""
 
 
 def fitting_time(
-    cycle: DutyCycle, actuator: int, table: DriveTable, *, inertia_ratio: float = np.inf
+    cycle: DutyCycle,
+    actuator: int,
+    table: DriveTable,
+    *,
+    inertia_ratio: float = np.inf,
+    progress: Progress = go_on,
 ) -> float:
     """Return the least factor on the motions' durations with which some drive is feasible.
 
     It is found by bisection between 1 and `SLOWEST`; infinite if none is feasible even then:
     gravity alone asks too much. More time is better but for dwells: slower motions fill more of the
     cycle, so that a drive which rests in them may keep its rated torque in a range of factors
-    alone. One that is narrower than `SMALL_STEP` may be missed.
+    alone. One that is narrower than `SMALL_STEP` may be missed. ``progress`` is called now and
+    then; how many factors are tried shows in the end only.
+
+    Raises:
+        Canceled: If ``progress`` ends it.
     """
+    left = 1.0
 
     def fits(slower: float) -> bool:
+        nonlocal left
         load = cycle.stretched(slower * cycle.slower).loads[actuator]
-        return bool(size_drives(load, table, inertia_ratio=inertia_ratio).feasible.any())
+        part = of_part(progress, 1.0 - left, 1.0 - LEFT * left)
+        left *= LEFT
+        sizing = size_drives(load, table, inertia_ratio=inertia_ratio, progress=part)
+        return bool(sizing.feasible.any())
 
     if fits(1.0):
         return 1.0

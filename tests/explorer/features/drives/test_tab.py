@@ -21,6 +21,7 @@ from paminsa_viz.explorer.features.drives.solving import LISTED
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.progress import Canceled
 from paminsa_viz.trajectory import analyze
 from tests.support.tables import assert_parts
 from tests.support.tasks import finished
@@ -140,7 +141,16 @@ def test_the_piece_of_time_that_is_plotted_stands_out_if_its_motion_is_in_the_cy
 @pytest.mark.slow
 def test_a_catalog_without_a_feasible_drive_shows_the_nearest_and_advice() -> None:
     catalog = read_catalog(WEAK, "weak.csv")
-    state = searched(initial_state().updated("drives.settings", catalog=catalog))
+    asked = initial_state().updated("drives.settings", catalog=catalog)
+    told: list[float] = []
+    panel.SEARCH.find(panel.SEARCH.job(asked), lambda done, /, **_: told.append(done))
+    assert told == sorted(told)
+    assert told[:4] == [0.125, 0.25, 0.375, 0.5]  # measured, each actuator's
+    assert len(told) > 20  # slower motions that were tried
+    assert told[-1] < 1.0
+    with pytest.raises(Canceled):
+        panel.SEARCH.find(panel.SEARCH.job(asked), lambda done, /, **_: done > 0.7)
+    state = searched(asked)
     text = panel.list_html(compute(state))
     assert "0 feasible" in text
     assert "no drive fits" in text
