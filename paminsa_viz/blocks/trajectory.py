@@ -160,18 +160,16 @@ def crossings_table(analysis: TrajectoryAnalysis) -> Table:
     """Return the torques of a motion where it crosses singularities, and what moves it there."""
     found = []
     for item in analysis.crossings:
-        pose = analysis.trajectory.at(item.t).pose
         limits = ["no bound"] * 4
         if item not in analysis.unbounded:
             limits = list(map(format_value, item.torque, TORQUE_UNITS))
-        inertia = float(escape_inertia(analysis.design, pose))
         found.append(
             (
                 item.locus.label,
                 format_value(item.t, "s", 4),
                 format_value(item.residual, "N m", 3),
                 *limits,
-                format_value(inertia, "kg m^2", 3),
+                format_value(_inertia_at(analysis, item.t), "kg m^2", 3),
             )
         )
     head = ("", "At", "Generalized force along t_s", *ACTUATORS, "Inertia along t_s")
@@ -310,8 +308,22 @@ def trajectory_data(analysis: TrajectoryAnalysis) -> dict[str, Any]:
         "trajectory": {"samples": t.size, **record(t, "name", "kind", "duration_s", "notes")},
         "failure": _failure(analysis.failure),
         "closest": _event(check.closest),
+        "crossings": [
+            {
+                "locus": item.locus.name.lower(),
+                **record(item, "t_s", "residual_Nm"),
+                "torques": None if item in analysis.unbounded else item.torque,
+                "inertia_kg_m2": _inertia_at(analysis, item.t),
+            }
+            for item in analysis.crossings
+        ],
         "actuators": _actuators(analysis),
     }
+
+
+def _inertia_at(analysis: TrajectoryAnalysis, t: float) -> float:
+    """Return the inertia along the escape twist at an instant [kg m^2]."""
+    return float(escape_inertia(analysis.design, analysis.trajectory.at(t).pose))
 
 
 def shortest_data(found: ShortestStretch) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.balancing import balance
 from paminsa_viz.blocks.balance import contributions
 from paminsa_viz.blocks.kinds import Note, Row, Table
+from paminsa_viz.blocks.trajectory import trajectory_data
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, UnreachablePose, static_imbalance
 from paminsa_viz.model.parameters import Counterweight
@@ -319,3 +320,12 @@ def test_planned_crossings_are_listed_and_those_of_another_robot_are_warned_of()
     (table,), (warning,) = blocks(APPENDIX_4)
     assert "no bound" in table.rows[0].cells
     assert "have no bound" in warning.text
+
+    (known,), (unknown,) = (
+        trajectory_data(analyze(design, samples))["crossings"] for design in (lighter, APPENDIX_4)
+    )
+    assert known["torques"] == pytest.approx(found.crossings[0].torque, abs=2e-3)
+    assert (known["locus"], known["residual_Nm"]) == ("circle", pytest.approx(0.0, abs=1e-6))
+    assert known["inertia_kg_m2"] > 0.0
+    assert unknown["torques"] is None
+    assert abs(unknown["residual_Nm"]) > 0.1
