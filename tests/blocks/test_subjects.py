@@ -35,6 +35,7 @@ from paminsa_viz.blocks import (
     identification,
     loads,
     maps,
+    proofs,
     requirements,
     springs,
     stiffness,
@@ -198,26 +199,27 @@ def _maps(_: Path) -> Said:
     return maps.maps_blocks(data, facts), facts
 
 
-def _requirements(_: Path) -> Said:
-    design, _motion = robot()
+def asked_for() -> Requirements:
     place = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, -0.6))
-    asked = Requirements((Requirement("condition", high=10.0),), (-0.1, 0.1), place)
-    check = check_requirements(design, asked, fine=False)
+    return Requirements((Requirement("condition", high=10.0),), (-0.1, 0.1), place)
+
+
+def _proofs(_: Path) -> Said:
+    design, asked = robot()[0], asked_for()
     proof = prove(design, asked, time_limit=5.0)
     largest = largest_workspace(design, asked, tolerance=0.02, time_limit=5.0)
-    blocks = [
-        *requirements.check_blocks(asked, check),
-        *requirements.proof_blocks(asked, proof),
-        *requirements.largest_blocks(asked, largest),
-        requirements.quantities_table(),
-    ]
-    data = [
+    blocks = [*proofs.proof_blocks(asked, proof), *proofs.largest_blocks(asked, largest)]
+    return blocks, [proofs.proof_data(proof), proofs.largest_data(design, largest)]
+
+
+def _requirements(_: Path) -> Said:
+    design, asked = robot()[0], asked_for()
+    check = check_requirements(design, asked, fine=False)
+    blocks = [*requirements.check_blocks(asked, check), requirements.quantities_table()]
+    return blocks, [
         requirements.check_data(design, asked, check, None),
-        requirements.proof_data(proof),
-        requirements.largest_data(design, largest),
         requirements.quantities_data(),
     ]
-    return blocks, data
 
 
 def _springs(_: Path) -> Said:
