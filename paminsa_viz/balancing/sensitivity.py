@@ -20,8 +20,7 @@ from paminsa_viz.balancing.terms import (
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
-from paminsa_viz.model.geometry import BODY_SCALE
+from paminsa_viz.model.design import MECHANISM_PATHS, PARAMETER, Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.reach import Limit
@@ -44,13 +43,11 @@ MASSES: tuple[str, ...] = tuple(path for path in MASS_PATHS if PARAMETER[path].u
 """Masses of a design without counterweights."""
 
 LENGTHS: tuple[str, ...] = tuple(
-    p.path
-    for p in PARAMETERS
-    if p.group == "geometry"
-    and p.path not in ("geometry.guide_stroke", "geometry.axis_clearance", BODY_SCALE)
+    path
+    for path in MECHANISM_PATHS
+    if path not in ("geometry.guide_stroke", "geometry.axis_clearance")
 )
-"""Lengths, and the magnification factor, that shape the robot; limits of reach are not among them,
-nor is the size of the bodies, which no output depends on.
+"""Lengths, and the magnification factor, that shape the robot; limits of reach are not among them.
 """
 
 

@@ -34,7 +34,7 @@ from paminsa_viz.model.drive import (
     check_drives,
 )
 from paminsa_viz.model.elastic import Elastic
-from paminsa_viz.model.geometry import Geometry, KneeBranch
+from paminsa_viz.model.geometry import BODY_SCALE, Geometry, KneeBranch
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
@@ -282,6 +282,11 @@ OPTIONAL_GROUPS = ("accuracy", "leg1", "leg2", "leg3", "tolerances", "elastic")
 
 PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTIONAL_GROUPS)
 """Every number of the rigid, exact robot, in the order of the paper's Appendix 4."""
+
+MECHANISM_PATHS: tuple[str, ...] = tuple(
+    p.path for p in PARAMETERS if p.group == "geometry" and p.path != BODY_SCALE
+)
+"""Lengths, and the magnification factor, that the mechanism depends on, by path."""
 
 PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 """Every number of a design by path."""

@@ -12,8 +12,8 @@ from paminsa_viz.checks import require_at_least, require_range, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import geometry_of
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design
-from paminsa_viz.model.geometry import BODY_SCALE, Geometry
+from paminsa_viz.model.design import APPENDIX_4, MECHANISM_PATHS, Design
+from paminsa_viz.model.geometry import Geometry
 from paminsa_viz.model.resizing import IN_PROPORTION, BarLaw, resized
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.masses.case import InnerCase, check_inner
@@ -79,9 +79,7 @@ class SearchRange:
     high: float
 
     def __post_init__(self) -> None:
-        length = self.path in PARAMETER and self.path.startswith("geometry.")
-        length = length and self.path != BODY_SCALE
-        if not length and self.path not in DIMENSIONS:
+        if self.path not in MECHANISM_PATHS and self.path not in DIMENSIONS:
             known = ", ".join((*DEFAULT_PATHS, *DIMENSIONS))
             raise InvalidInput(self.path, f"only lengths can be searched, such as {known}")
         require_range(self.low, self.high, self.path)

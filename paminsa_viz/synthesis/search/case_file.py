@@ -63,8 +63,7 @@ from paminsa_viz.files.design_file import content_of, decode_text, parse_toml, r
 from paminsa_viz.files.design_schema import KEYS, unit_suffix
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.toml_table import TomlTable, find_line
-from paminsa_viz.model.design import PARAMETER, Design
-from paminsa_viz.model.geometry import BODY_SCALE
+from paminsa_viz.model.design import MECHANISM_PATHS, PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.resizing import BarLaw
 from paminsa_viz.synthesis.masses.case import InnerCase, MassFactor
@@ -93,11 +92,7 @@ EXAMPLES: dict[str, Path] = {
 """Worked cases by name."""
 
 RANGE_KEYS: dict[str, str] = {
-    **{
-        key.name: key.parameter.path
-        for key in KEYS
-        if key.table == "geometry" and key.parameter.path != BODY_SCALE
-    },
+    **{key.name: key.parameter.path for key in KEYS if key.parameter.path in MECHANISM_PATHS},
     **{path.replace(".", "_") + "_m": path for path in DIMENSIONS},
 }
 """Keys of ``[synthesis.ranges]`` and the paths that they are."""
