@@ -182,7 +182,7 @@ def shares_table(found: ToleranceErrors, index: int) -> Table:
             (LENGTHS[i].symbol, Cell(f"{100 * share[i]:.1f} %", share=float(share[i]))),
             hint=LENGTHS[i].label,
         )
-        for i in np.argsort(-share)
+        for i in np.argsort(-share, kind="stable")
         if share[i] >= LEAST_SHARE
     )
     return Table(

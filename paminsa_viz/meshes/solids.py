@@ -55,9 +55,14 @@ def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     """Return a mesh whose vertices are split along its edges; see `CREASE`."""
     mesh.merge_vertices(merge_norm=True)
     mesh.update_faces(mesh.nondegenerate_faces())
-    if is_plain():
-        return trimesh.graph.smooth_shade(mesh, angle=PLAIN_CREASE, facet_minarea=None)
-    return trimesh.graph.smooth_shade(mesh, angle=CREASE, facet_minarea=FLAT_SHARE)
+    angle, flat = (PLAIN_CREASE, None) if is_plain() else (CREASE, FLAT_SHARE)
+    smooth = trimesh.graph.smooth_shade(mesh, angle=angle, facet_minarea=flat)
+    patches = smooth.metadata.get("original_components")
+    if patches is None:  # not split
+        return smooth
+    # trimesh orders them by sorts whose ties fall differently on other processors
+    ordered = sorted((np.sort(patch) for patch in patches), key=lambda patch: patch[0])
+    return mesh.submesh(ordered, only_watertight=False, append=True)
 
 
 def _made_once(kind: str, numbers: Array, make: Callable[[], trimesh.Trimesh]) -> trimesh.Trimesh:

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss, legvander
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
@@ -17,7 +18,7 @@ from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
 
-_GAUSS = np.polynomial.legendre.leggauss(8)
+_GAUSS = leggauss(8)
 
 _METRIC = np.array([1.0, 1.0, TURN_LENGTH**2, 1.0])
 _CELLS = 16  # polynomials of the length run between two breaks, at least
@@ -216,7 +217,9 @@ class TracedPath:
         nodes = 0.5 * (1.0 + _GAUSS[0])
         halves = np.concatenate([0.5 * nodes, 0.5 + 0.5 * nodes])
         inverse = np.linalg.inv(np.vander(nodes, increasing=True))
-        between = np.vander(halves, len(nodes), increasing=True) @ inverse
+        # Legendre's polynomials lose no digits here, as powers would
+        series = np.linalg.inv(legvander(_GAUSS[0], len(nodes) - 1))
+        between = legvander(2.0 * halves - 1.0, len(nodes) - 1) @ series
         low, size = begin[:-1], np.diff(begin)
         speed = self._speeds(low, size, nodes)
         cells, most = [], _ROUGH * speed.max()

@@ -99,7 +99,8 @@ def test_freedoms_of_a_leg() -> None:
 def test_unreachable_pose_is_nan_and_spoils_no_other() -> None:
     both = structure(APPENDIX_4, [POSE, (2.0, 0.0, 0.0, -0.6)]).platform_stiffness()
     assert np.isnan(both[1]).all()
-    np.testing.assert_array_equal(both[0], structure(APPENDIX_4, POSE).platform_stiffness())
+    alone = structure(APPENDIX_4, POSE).platform_stiffness()
+    np.testing.assert_allclose(both[0], alone, rtol=1e-9)
 
 
 def test_displacements_agree_with_the_stiffness() -> None:

@@ -57,7 +57,7 @@ def lifts(places: Array, size: tuple[float, float]) -> Array:
     width, height = size
     out = np.zeros(len(places))
     settled: list[tuple[float, float]] = []
-    for index in np.argsort(places[:, 1]):
+    for index in np.argsort(places[:, 1], kind="stable"):
         x, y = places[index]
         if not np.isfinite(x):
             continue

@@ -109,7 +109,7 @@ def check_by_mujoco(
     chosen = {int(i) for i in rng.permutation(len(pose))[:count]}
     for bound in checked:
         inside = within(bound, pose)
-        order = inside[np.argsort(bound_margins(bound, held[inside]))]
+        order = inside[np.argsort(bound_margins(bound, held[inside]), kind="stable")]
         chosen |= set(order[:WORST].tolist())
     index = np.array(sorted(chosen), np.intp)
     robot = SprungMujocoRobot(design if asked.motions else _at_rest(design), springs)

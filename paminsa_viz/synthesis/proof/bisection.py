@@ -143,10 +143,12 @@ class _Pool:
         self.boxes, self.gauge = self.boxes[chosen], self.gauge[chosen]
 
     def take(self, count: int) -> tuple[Array, Array, Array]:
-        """Remove the boxes of least gauge and return them."""
+        """Remove the boxes of least gauge, of equal ones the first, and return them."""
         chosen = np.ones(len(self.gauge), bool)
         if len(self.gauge) > count:
-            chosen[np.argpartition(self.gauge, count)[count:]] = False
+            most = np.partition(self.gauge, count - 1)[count - 1]
+            chosen, last = self.gauge < most, np.flatnonzero(self.gauge == most)
+            chosen[last[: count - np.count_nonzero(chosen)]] = True
         taken, near = self.boxes[chosen], self.gauge[chosen]
         self.keep(~chosen)
         return taken[:, 0], taken[:, 1], near

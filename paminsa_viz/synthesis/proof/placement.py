@@ -187,7 +187,7 @@ class CenterSearch:
         scales = self._scales(centers)
         width = self._cell
         for _ in range(_STEPS):
-            order = np.argsort(-scales)[:8]
+            order = np.argsort(-scales, kind="stable")[:8]
             centers, scales = centers[order], scales[order]
             near = np.repeat(centers, 12, axis=0)
             near = near + self._free * width * self._rng.normal(size=near.shape)
@@ -206,7 +206,7 @@ class CenterSearch:
         worst = self._margins(poses)
         width = 0.3
         for _ in range(8):
-            order = np.argsort(worst)[:32]
+            order = np.argsort(worst, kind="stable")[:32]
             near = np.repeat(np.clip(unit[order], -1, 1), 16, axis=0)
             near = near + width * self._rng.normal(size=near.shape)
             unit = np.concatenate([unit, near])
@@ -216,7 +216,7 @@ class CenterSearch:
                 np.concatenate([worst, self._margins(more)]),
             )
             width *= 0.5
-        poses = poses[np.argsort(worst)[:_FOLLOWED]]
+        poses = poses[np.argsort(worst, kind="stable")[:_FOLLOWED]]
         poses = poses[np.sort(worst)[:_FOLLOWED] < 0.0]
         if not len(poses):
             return np.empty((0, 3))
@@ -236,7 +236,7 @@ class CenterSearch:
         width = 0.1
         sides = np.array([*whole.half[:2], 0.5 * (whole.theta[1] - whole.theta[0]), whole.half[2]])
         for _ in range(_DESCENTS):
-            poses = poses[np.argsort(gauge.of_poses(poses))[:_KEPT]]
+            poses = poses[np.argsort(gauge.of_poses(poses), kind="stable")[:_KEPT]]
             near = np.repeat(poses, _KEPT, axis=0)
             near = near + width * sides * self._rng.normal(size=near.shape)
             near[:, 2] = np.clip(near[:, 2], *whole.theta)
@@ -244,7 +244,7 @@ class CenterSearch:
             near = near[self._margins(near) < 0.0]
             poses = np.concatenate([poses, near])
             width *= 0.7
-        nearest = poses[np.argsort(gauge.of_poses(poses))[:_ADDED]]
+        nearest = poses[np.argsort(gauge.of_poses(poses), kind="stable")[:_ADDED]]
         chosen = np.concatenate([nearest, first[:: len(first) // _ADDED + 1]])
         return chosen[:, [0, 1, 3]]
 

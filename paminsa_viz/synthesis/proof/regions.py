@@ -221,7 +221,7 @@ def lowest(value: Callable[[Array], Array], region: PoseRegion) -> tuple[Array, 
     found = values(unit)
     width = 0.3
     for _ in range(_ROUNDS):
-        best = np.argsort(found)[:KEPT]
+        best = np.argsort(found, kind="stable")[:KEPT]
         unit, found = unit[best], found[best]
         near = np.repeat(unit, KEPT, axis=0)
         near = np.clip(near, -1.0, 1.0) + width * rng.normal(size=near.shape)
