@@ -110,7 +110,7 @@ def test_weights_are_those_of_the_residuals_of_the_round_before() -> None:
         noise = np.sqrt(((torque - columns @ fit) ** 2).mean(axis=0))
     found = solve(normal_blocks(columns, torque, numbers))
     np.testing.assert_allclose(found.x, fit, rtol=1e-9)
-    np.testing.assert_allclose(found.noise, noise, rtol=1e-9)
+    np.testing.assert_allclose(found.noise, noise, rtol=1e-6)  # a small rest of large sums
     # another round would change little
     again = (columns / noise[:, None]).reshape(-1, 5)
     fourth = np.linalg.lstsq(again, (torque / noise).ravel())[0]
