@@ -12,11 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
+from paminsa_viz.blocks.answer_checks import AnswerChecks, answer_blocks, checks_data
 from paminsa_viz.blocks.synthesis import (
-    AnswerChecks,
-    answer_blocks,
     bound_text,
-    checks_data,
     front_blocks,
     front_data,
     synthesis_blocks,

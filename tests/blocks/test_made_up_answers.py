@@ -15,18 +15,20 @@ import pytest
 
 from paminsa_viz.blocks import proofs
 from paminsa_viz.blocks import requirements as words
+from paminsa_viz.blocks.answer_checks import (
+    conflict_blocks,
+    mujoco_blocks,
+    price_blocks,
+    yield_blocks,
+)
 from paminsa_viz.blocks.kinds import Note
 from paminsa_viz.blocks.synthesis import (
     bound_label,
     bound_text,
-    conflict_blocks,
     inner_blocks,
     lengths_table,
-    mujoco_blocks,
     outcomes_table,
-    price_blocks,
     relaxed_blocks,
-    yield_blocks,
 )
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4

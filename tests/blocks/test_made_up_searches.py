@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.blocks import requirements, synthesis
+from paminsa_viz.blocks import answer_checks, requirements, synthesis
 from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.excitation import excitation_blocks, excitation_data, limits_table
 from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
@@ -200,9 +200,10 @@ def test_what_was_asked_for_besides_an_answer() -> None:
     asked = {"prices": None, "built": None, "mujoco": None, "conflict": None}
 
     def both(**given: Any) -> tuple[list, dict[str, Any]]:
-        checks = synthesis.AnswerChecks(**asked | given)
+        checks = answer_checks.AnswerChecks(**asked | given)
         result = answer(inner=None)
-        return synthesis.answer_blocks(result, checks), synthesis.checks_data(result, checks)
+        blocks = answer_checks.answer_blocks(result, checks)
+        return blocks, answer_checks.checks_data(result, checks)
 
     assert both() == ([], {})
     blocks, data = both(prices=())
@@ -230,8 +231,8 @@ def test_masses_and_springs_of_an_answer_as_data() -> None:
         goal="mass", objective=1.5, lower_bound=1.25, springs=(spring,), active=("m",),
         design=SimpleNamespace(counterweights=(SimpleNamespace(place="B3", mass=0.75),)),
     )  # fmt: skip
-    checks = synthesis.AnswerChecks(None, None, None, None)
-    assert synthesis.checks_data(answer(inner=inner), checks) == {
+    checks = answer_checks.AnswerChecks(None, None, None, None)
+    assert answer_checks.checks_data(answer(inner=inner), checks) == {
         "inner": {
             "goal": "mass", "value": 1.5, "lower_bound": 1.25, "active": ("m",),
             "counterweights": [{"place": "B3", "mass_kg": 0.75}],

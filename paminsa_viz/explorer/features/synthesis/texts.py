@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from paminsa_viz.blocks.answer_checks import price_blocks, yield_blocks
 from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.blocks.synthesis import (
     buildability_blocks,
@@ -9,10 +10,8 @@ from paminsa_viz.blocks.synthesis import (
     lengths_table,
     objective_text,
     outcomes_table,
-    price_blocks,
     refused_notes,
     relaxed_blocks,
-    yield_blocks,
 )
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.synthesis.actions import PRICES, SEARCH

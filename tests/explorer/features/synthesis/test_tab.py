@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.blocks.synthesis import buildability_table, price_blocks, synthesis_blocks
+from paminsa_viz.blocks.answer_checks import price_blocks
+from paminsa_viz.blocks.synthesis import buildability_table, synthesis_blocks
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.requirements import current_check
