@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -62,7 +63,8 @@ def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
         return smooth
     # trimesh orders them by sorts whose ties fall differently on other processors
     ordered = sorted((np.sort(patch) for patch in patches), key=lambda patch: patch[0])
-    return mesh.submesh(ordered, only_watertight=False, append=True)
+    joined: Any = mesh.submesh(ordered, only_watertight=False, append=True)
+    return joined
 
 
 def _made_once(kind: str, numbers: Array, make: Callable[[], trimesh.Trimesh]) -> trimesh.Trimesh:
