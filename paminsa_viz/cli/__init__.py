@@ -67,6 +67,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # before NumPy is imported: its threads of small linear algebra wait for each other
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         interrupts.exit_on_interrupt(COMMAND)
+        for name in ("stdout", "stderr"):
+            if getattr(sys, name) is None:  # closed by who starts it, or there is no console
+                setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         if isinstance(sys.stdout, TextIOWrapper):  # a code page may lack letters such as theta
             sys.stdout.reconfigure(errors="replace")
         try:

@@ -75,3 +75,14 @@ print(double(2.0))
 def test_no_folder_for_compiled_code_is_no_fault() -> None:
     done = subprocess.run([sys.executable, "-c", NOWHERE], capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("4.0\n", "")
+
+
+@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
+def test_no_output_to_print_on_is_no_fault(closed: str, tmp_path: Path) -> None:
+    """As where there is no console; `excite` tells on the error stream what it begins."""
+    for words in ("--help", "excite --evaluations 1 --seconds 0.5 --out e.csv"):
+        line = f"exec {closed}; exec {sys.executable} -m paminsa_viz {words}"
+        done = subprocess.run(["sh", "-c", line], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, (words, done.stderr)
+        assert "Error" not in done.stderr
+    assert (tmp_path / "e.csv").read_text().endswith("\n")
