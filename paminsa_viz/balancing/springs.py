@@ -37,6 +37,9 @@ from paminsa_viz.model.parameters import LARGEST, Counterweight
 from paminsa_viz.model.statics import static_torques, torques_of_legs
 from paminsa_viz.units import format_ascii
 
+ROUNDING = 1e-9
+"""Part of a torque by which springs may lower it and yet help with nothing."""
+
 STIFFEST = 1e9
 """Largest stiffness of a spring [N/m]."""
 
@@ -273,7 +276,8 @@ class SpringFit:
     """The best springs.
 
     Attributes:
-        springs: In the order of the places; a stiffness of zero means that it is not needed.
+        springs: In the order of the places; a stiffness of zero means that it is not needed. All
+            are zero where no springs in these places help.
         before, after: Peak or RMS torque without springs and with them [N m].
         lower_bound: No other stiffnesses and free lengths give less [N m].
         reach: For each spring its shortest and longest length over the poses [m].
@@ -291,6 +295,11 @@ class SpringFit:
     def gap(self) -> float:
         """By how much better springs could be better at most [N m]."""
         return max(0.0, self.after - self.lower_bound)
+
+    @property
+    def helps(self) -> bool:
+        """Whether the torque is lower with the springs."""
+        return self.after < self.before
 
 
 def spring_variable(place: SpringPlace, column: int, size: int) -> Variable:
@@ -353,12 +362,14 @@ def fit_springs(
     variables = [spring_variable(place, 2 * i, size) for i, place in enumerate(places)]
     scale = float(np.abs(offset).max())
     found = solve(Program(np.zeros(size), tuple(variables), ((1.0, function),), scale=scale))
-    springs = springs_of(places, found.state)
+    before, after, state = function.value(np.zeros(size)), found.value, found.state
+    if after >= (1 - ROUNDING) * before:  # as by ends that keep their distance
+        after, state = before, np.zeros(size)
     lengths = [spring_lengths(design.geometry, place, pose[good]) for place in places]
     return SpringFit(
-        springs=springs,
-        before=function.value(np.zeros(2 * len(places))),
-        after=found.value,
+        springs=springs_of(places, state),
+        before=before,
+        after=after,
         lower_bound=found.bound,
         reach=tuple((float(d.min()), float(d.max())) for d in lengths),
         seconds=time.perf_counter() - began,

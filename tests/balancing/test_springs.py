@@ -189,6 +189,21 @@ def test_no_spring_changes_nothing() -> None:
     assert fit.after == fit.before == pytest.approx(fit.lower_bound)
 
 
+def test_springs_that_do_not_help_are_none() -> None:
+    """One that pulls the wrong way, one whose ends keep their distance; and one that helps."""
+    poses = workspace().poses()
+    for measure in ("peak", "rms"):
+        for first in (on_slider(-0.3), at_joint(8)):
+            place = SpringPlace(first, at_joint(9), min_free_length=0.1, max_free_length=0.2)
+            fit = fit_springs(APPENDIX_4, [place], poses, measure=measure)
+            assert not fit.helps, (measure, first.name)
+            assert (fit.springs[0].stiffness, fit.springs[0].free_length) == (0.0, 0.1)
+            assert fit.after == fit.before == pytest.approx(fit.lower_bound, rel=1e-9)
+        assert fit_springs(
+            APPENDIX_4, [SpringPlace(on_slider(0.3), at_joint(9))], poses, measure=measure
+        ).helps
+
+
 def test_poses_of_any_shape_are_as_each_alone() -> None:
     spring = Spring(at_joint(3), at_joint(9), stiffness=120.0, free_length=0.2)
     poses = workspace().poses().reshape(-1, 4)[:6].reshape(2, 3, 4)

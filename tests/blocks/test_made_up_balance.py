@@ -241,10 +241,10 @@ def test_a_balanced_design_needs_nothing() -> None:
 
 
 def test_springs_with_the_torques_that_they_leave() -> None:
-    def shown(gap: float) -> Any:
+    def shown(gap: float, helps: bool = True) -> Any:
         fit: Any = SimpleNamespace(
             springs=(SimpleNamespace(stiffness=1234.5, free_length=0.12345),),
-            reach=((0.23456, 0.45678),), before=9.87654, after=1.23456, gap=gap,
+            reach=((0.23456, 0.45678),), before=9.87654, after=1.23456, gap=gap, helps=helps,
         )  # fmt: skip
         torque = np.array([1.23456, -2.34567, 3.45678, 456.78912])
         return springs_blocks(fit, torque, np.array([0.12345, -0.23456, 0.0, 450.0]))
@@ -264,6 +264,8 @@ def test_springs_with_the_torques_that_they_leave() -> None:
     assert GAP == 1e-6  # N m
     assert said(shown(GAP)) == [(f"{best}.", "plain")]
     assert said(shown(1.01 * GAP)) == [(f"{best} by more than 1·10⁻⁶ N·m.", "plain")]
+    useless = "Certified: no spring between these points lowers the largest torque"
+    assert said(shown(GAP, helps=False)) == [(f"{useless}.", "plain")]
 
 
 def test_spreads_of_a_balance_by_masses_and_by_lengths() -> None:
