@@ -24,6 +24,9 @@ CHECKSUM = "crc32"
 LONGEST_LINE = 1_000_000
 """Longest line [bytes]; a file of something else must not fill the memory."""
 
+AGAIN = "begin again with restart (--restart on the command line)"
+"""What can always be done about a table that is refused."""
+
 
 class ResumableCsv:
     """An open table that rows are appended to.
@@ -131,7 +134,7 @@ class ResumableCsv:
 
     def _row_error(self, problem: str) -> TableFileError:
         """Return the error of the row that is being read, with what can be done about it."""
-        problem += "; restore it, cut the file off before it, or begin again with restart"
+        problem += f"; restore it, cut the file off before it, or {AGAIN}"
         return TableFileError(self._source, problem, row=self._head_lines + self.rows + 1)
 
     def append(self, rows: Iterable[Sequence[str]]) -> None:
@@ -178,7 +181,7 @@ class ResumableCsv:
             else:
                 break
         other = _difference(found, head, identity)
-        problem = f"holds {other}; take another name, or begin again with restart"
+        problem = f"holds {other}; take another name, or {AGAIN}"
         raise TableFileError(self._source, problem)
 
     def _heading(self) -> str:

@@ -145,7 +145,7 @@ def make_log(
         gap = int(gaps[0])
         raise InvalidLog(
             f"{t[gap] - t[gap - 1]:.6g} s after the row before, where {step:.6g} s are usual; "
-            f"cut the log there, or let gaps split it",
+            "cut the log there, or split it at gaps (--split on the command line)",
             int(rows[gap]),
             "t",
         )

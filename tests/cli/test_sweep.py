@@ -134,7 +134,9 @@ def test_a_table_of_another_study_is_named_and_kept(capsys) -> None:
         assert (code, out, err.count("\n")) == (2, "", 1)
         assert "a.csv: holds another study, whose " in err
         assert place in err
-        assert err.endswith("; take another name, or begin again with restart\n")
+        assert err.endswith(
+            "; take another name, or begin again with restart (--restart on the command line)\n"
+        )
         assert Path("a.csv").read_bytes() == left
     assert run(capsys, *ours)[0] == 0
     assert Path("a.csv").read_bytes() == whole

@@ -8,7 +8,7 @@ import zlib
 import pytest
 
 from paminsa_viz.errors import TableFileError
-from paminsa_viz.files.resumable_csv import ResumableCsv
+from paminsa_viz.files.resumable_csv import AGAIN, ResumableCsv
 
 HEAD = {"format": "test 1", "command": "one", "study": "abc"}
 COLUMNS = ("row", "value")
@@ -133,9 +133,7 @@ def test_any_changed_byte_is_refused_with_its_row(whole, tmp_path) -> None:
             with pytest.raises(TableFileError) as caught:
                 grow(path)
             assert caught.value.row == 1 + whole.count(b"\n", 0, place)
-            assert str(caught.value).endswith(
-                "restore it, cut the file off before it, or begin again with restart"
-            )
+            assert str(caught.value).endswith(f"restore it, cut the file off before it, or {AGAIN}")
 
 
 def test_a_second_writer_is_refused(tmp_path) -> None:
