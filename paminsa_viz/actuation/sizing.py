@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -28,16 +27,21 @@ DRIVES_AT_A_TIME = 64
 """Drives whose temperatures are worked out together, to bound the memory."""
 
 
-def thermal_share(load: ActuatorLoad, table: DriveTable) -> Array:
+def thermal_share(load: ActuatorLoad, table: DriveTable, progress: Progress = go_on) -> Array:
     """Return the largest temperature rise over that at the rated torque, (n,).
 
     All drives need a time constant and a rated torque. A cycle that is short against the time
-    constant gives the square of RMS over rated torque, any other one more.
+    constant gives the square of RMS over rated torque, any other one more. ``progress`` is called
+    after some drives each.
+
+    Raises:
+        Canceled: If ``progress`` ends it.
     """
     shares = np.empty(len(table))
     for start in range(0, len(table), DRIVES_AT_A_TIME):
         rows = slice(start, start + DRIVES_AT_A_TIME)
         shares[rows] = _shares(load, table[rows])
+        keep_on(progress, min(rows.stop, len(table)) / len(table))
     return shares
 
 
@@ -251,6 +255,10 @@ class Sizing:
         envelope: Largest share of the torque-speed envelope (n,).
         inertia_ratio: The robot's inertia over the motor's, at the motor's shaft (n,).
         most_inertia: Largest inertia ratio that is taken.
+        shares: Share of each limit that is used, (n, 8), in the order of `LIMITS`; at most 1 is
+            kept. The winding's is exact where it is the largest and the RMS torque is kept;
+            otherwise it is an upper bound, the mean heat times x/(1 - exp(-x)) with x the period in
+            time constants.
     """
 
     load: ActuatorLoad
@@ -259,38 +267,7 @@ class Sizing:
     envelope: Array
     inertia_ratio: Array
     most_inertia: float
-
-    @cached_property
-    def shares(self) -> Array:
-        """Share of each limit that is used, (n, 8), in the order of `LIMITS`; at most 1 is kept.
-
-        The winding's is exact where it is the largest and the RMS torque is kept; otherwise it is
-        an upper bound, the mean heat times x/(1 - exp(-x)) with x the period in time constants.
-        """
-        load, table = self.load, self.table
-        held = np.where(table.holds, 0.0, load.held / table.ratio / table.corner_torque[:, 0])
-        shares = np.stack(
-            [
-                self.rms / table.rated_torque,
-                np.maximum(self.envelope, held),
-                table.ratio * load.top_speed / table.top_speed,
-                table.ratio * load.mean_speed / table.rated_speed,
-                self.inertia_ratio / self.most_inertia
-                if np.isfinite(self.most_inertia)
-                else np.zeros(len(table)),
-                np.zeros(len(table)),
-                load.rms / table.gear_rated,
-                load.peak / table.gear_peak,
-            ],
-            axis=1,
-        )
-        place = LIMITS.index("winding temperature")
-        timed = np.isfinite(table.thermal_time) & np.isfinite(table.rated_torque)
-        x = load.period / table.thermal_time[timed]
-        shares[timed, place] = shares[timed, 0] ** 2 * x / -np.expm1(-x)
-        rows = np.flatnonzero(timed & (shares.argmax(axis=1) == place) & (shares[:, 0] <= 1))
-        shares[rows, place] = thermal_share(load, table[rows])
-        return shares
+    shares: Array
 
     @property
     def use(self) -> Array:
@@ -339,6 +316,42 @@ def ordered(table: DriveTable, use: Array, order: Order = "mass") -> NDArray[np.
     return rows[np.lexsort((use[rows], np.nan_to_num(first, nan=np.inf)))]
 
 
+def _shares_of_limits(
+    load: ActuatorLoad,
+    table: DriveTable,
+    rms: Array,
+    envelope: Array,
+    inertia: Array,
+    progress: Progress,
+) -> Array:
+    """Return `Sizing.shares`; ``inertia`` is the share of that limit."""
+    held = np.where(table.holds, 0.0, load.held / table.ratio / table.corner_torque[:, 0])
+    shares = np.stack(
+        [
+            rms / table.rated_torque,
+            np.maximum(envelope, held),
+            table.ratio * load.top_speed / table.top_speed,
+            table.ratio * load.mean_speed / table.rated_speed,
+            inertia,
+            np.zeros(len(table)),
+            load.rms / table.gear_rated,
+            load.peak / table.gear_peak,
+        ],
+        axis=1,
+    )
+    place = LIMITS.index("winding temperature")
+    timed = np.isfinite(table.thermal_time) & np.isfinite(table.rated_torque)
+    x = load.period / table.thermal_time[timed]
+    shares[timed, place] = shares[timed, 0] ** 2 * x / -np.expm1(-x)
+    rows = np.flatnonzero(timed & (shares.argmax(axis=1) == place) & (shares[:, 0] <= 1))
+    shares[rows, place] = thermal_share(load, table[rows], progress)
+    return shares
+
+
+ENVELOPES = 0.5
+"""Part of the work that envelopes are; temperatures of windings are the rest."""
+
+
 @kinds_checked
 def size_drives(
     load: ActuatorLoad,
@@ -364,8 +377,12 @@ def size_drives(
     require_positive(inertia_ratio, "inertia_ratio", finite=False)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = load.inertia / (table.ratio**2 * table.inertia)
-    envelope, _ = envelope_share(load, table, progress=progress)
-    return Sizing(load, table, rms_torque(load, table), envelope, own, inertia_ratio)
+    envelope, _ = envelope_share(load, table, progress=of_part(progress, 0.0, ENVELOPES))
+    rms = rms_torque(load, table)
+    inertia = own / inertia_ratio if np.isfinite(inertia_ratio) else np.zeros(len(table))
+    rest = of_part(progress, ENVELOPES, 1.0)
+    shares = _shares_of_limits(load, table, rms, envelope, inertia, rest)
+    return Sizing(load, table, rms, envelope, own, inertia_ratio, shares)
 
 
 SLOWEST = 1e3

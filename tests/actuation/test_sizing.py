@@ -16,6 +16,7 @@ from paminsa_viz.actuation.ratios import RatioIntervals, ratio_intervals
 from paminsa_viz.actuation.sizing import LIMITS, envelope_share, ordered, size_drives
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import Drive
+from paminsa_viz.progress import Canceled
 from tests.actuation.loads import cases, random_drives, random_load
 from tests.actuation.motor_loads import GEAR, SERVO, motor_torque
 
@@ -237,6 +238,19 @@ def test_how_many_are_worked_on_at_a_time_does_not_matter(monkeypatch: pytest.Mo
         monkeypatch.setattr(sizing, "BLOCK", block)
         for one, expected in zip((table, bent), whole, strict=True):
             np.testing.assert_array_equal(envelope_share(load, one), expected)
+
+
+def test_sizing_tells_how_far_windings_are_too_and_ends_when_it_is_not_wanted() -> None:
+    load = random_load(np.random.default_rng(8), dwell=0.5)
+    drive = replace(combined(SERVO, GEAR), thermal_time_constant=load.period)
+    rms = float(size_drives(load, drive_table([drive])).rms[0])
+    table = drive_table([replace(drive, rated_torque=1.02 * rms)] * 200)
+    told: list[float] = []
+    found = size_drives(load, table, progress=lambda done, /, **_: told.append(done))
+    assert found.limit(0) == "winding temperature"
+    assert told == [0.5, *(0.5 + 0.5 * done / 200 for done in (64, 128, 192, 200))]
+    with pytest.raises(Canceled):
+        size_drives(load, table, progress=lambda done, /, **_: done > 0.5)
 
 
 def test_shares_are_figures_over_their_limits() -> None:
