@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_pose
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
@@ -166,8 +166,8 @@ def map_view(
     quantity = quantity.replace("-", "_")
     if quantity not in selections():
         raise InvalidInput("quantity", name_hint(quantity, selections()))
-    if at is not None and len(at) != 2:
-        raise InvalidInput("at", f"two numbers (x, y) are needed, not {len(at)}")
+    if at is not None and as_numbers(at, "at").shape != (2,):
+        raise InvalidInput("at", f"two numbers (x, y) are needed, not {at}")
     robot = design or APPENDIX_4
     place = _pose(robot, pose).copy()
     for where, given in ((slice(0, 2), at), (2, theta), (3, z)):
@@ -202,4 +202,4 @@ def curve_view(
 
 def _pose(design: Design, pose: ArrayLike | None) -> Array:
     """Return the given pose, or the one in the middle of the workspace."""
-    return np.array(home_pose(design.geometry)) if pose is None else as_vectors(pose, "pose")
+    return np.array(home_pose(design.geometry)) if pose is None else as_pose(pose)
