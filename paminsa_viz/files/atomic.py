@@ -22,7 +22,8 @@ def open_atomically(path: str | os.PathLike[str]) -> Iterator[TextIO]:
     The text goes into a temporary file next to ``path``, which replaces it when the block ends
     well. When the block ends with an error, also by Ctrl-C, ``path`` stays as it was and the
     temporary file is removed; that of a process that was killed is removed by the next writing. A
-    symbolic link keeps pointing at the file it names; an existing file keeps its mode.
+    symbolic link keeps pointing at the file it names; an existing file keeps its mode, and one that
+    is write-protected its content.
 
     Raises:
         FileError: If the file cannot be created, written or put in place.
@@ -104,7 +105,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 
     Raises:
         FileError: If its folder does not exist or allows no new file, or if there is something
-            that is no regular file.
+            that is no regular file or is write-protected.
     """
     target, _ = _target(path)
     if not target.parent.is_dir():
@@ -267,7 +268,7 @@ def _target(path: str | os.PathLike[str]) -> tuple[Path, int | None]:
     """Return the file that a path names, and the mode of the one that is there, if there is one.
 
     Raises:
-        FileError: If there is something that is no regular file.
+        FileError: If there is something that is no regular file, or is write-protected.
     """
     name = os.fspath(path)
     try:
@@ -280,6 +281,8 @@ def _target(path: str | os.PathLike[str]) -> tuple[Path, int | None]:
     if not stat.S_ISREG(found):
         kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
         raise FileError(name, f"cannot be written: it is {kind}")
+    if not os.access(target, os.W_OK):  # its folder alone decides whether it can be replaced
+        raise FileError(name, "cannot be written: it is write-protected")
     return target, stat.S_IMODE(found)
 
 

@@ -241,6 +241,22 @@ def test_what_cannot_be_written_is_known_before(tmp_path: Path, monkeypatch) -> 
         check_writable(tmp_path / "new.txt")
 
 
+def test_a_write_protected_file_is_not_replaced(tmp_path: Path, monkeypatch) -> None:
+    """The system would let it be: its folder can be written to."""
+    path, link = tmp_path / "log.csv", tmp_path / "link.csv"
+    path.write_text("measured")
+    path.chmod(0o444)
+    link.symlink_to(path)
+    # as it is for all but the system's administrator
+    monkeypatch.setattr(os, "access", lambda one, _: bool(Path(one).stat().st_mode & 0o200))
+    for name in (path, link):
+        for write in (check_writable, lambda one: write_bytes(one, b"results")):
+            with pytest.raises(FileError, match="csv: cannot be written: it is write-protected"):
+                write(name)
+    assert path.read_text() == "measured"
+    assert sorted(tmp_path.iterdir()) == [link, path]
+
+
 def test_what_is_no_folder_is_known_before(tmp_path: Path, monkeypatch) -> None:
     (tmp_path / "a.txt").write_text("old")
     for name in (".", "new", "new/deeper"):
