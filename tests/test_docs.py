@@ -136,7 +136,7 @@ def commands() -> list[str]:
     """Return the command lines that the pages show, those over two lines as one."""
     found = set()
     for page in PAGES:
-        text = re.sub(r"\n +--", " --", page.read_text(encoding="utf-8"))
+        text = re.sub(r" \\\n +", " ", page.read_text(encoding="utf-8"))
         lines = re.findall(r"^ *(?:\.venv/bin/)?(paminsa-viz [a-z].*)$", text, re.M)
         found.update(line.split("  ")[0].strip() for line in lines)
     return sorted(found)
@@ -148,6 +148,13 @@ def test_flags_of_commands_in_the_documentation_are_known(words) -> None:
     """Their flags are known; what they would do is the business of other tests."""
     name, *rest = shlex.split(words)[1:]
     assert parse(command_module(name).FLAGS, rest, name, "")
+
+
+def test_commands_over_two_lines_can_be_pasted_into_a_shell() -> None:
+    shown = r"^( *)(?:\.venv/bin/)?paminsa-viz [a-z].*[^\\\n](?=\n\1 +\S)"
+    for page in PAGES:
+        cut = re.search(shown, page.read_text(encoding="utf-8"), re.M)
+        assert not cut, f"{name_of(page)} needs a backslash behind {cut and cut[0]}"
 
 
 def test_changelog_begins_with_this_version() -> None:

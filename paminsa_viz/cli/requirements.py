@@ -40,7 +40,7 @@ DESCRIPTION = """\
 Requirements: bounds on quantities, headings and a workspace, of a design file or as text.
 
   paminsa-viz requirements check robot.toml             those of the file
-  paminsa-viz requirements check --require "condition <= 10" --require "|tau_1| <= 15 N m"
+  paminsa-viz requirements check --require "condition <= 10" --require "|tau_1| <= 15 N m" \\
                                  --theta -30 30 --cylinder 300 400
   paminsa-viz requirements check robot.toml --volume --out volume.stl --out volume.csv
   paminsa-viz requirements largest robot.toml --cylinder 300 400

@@ -42,7 +42,7 @@ Measure many designs over the workspace: torques, masses, distances to every lim
 
   paminsa-viz sweep --vary links.b3=0.2:0.6:5 --vary joints.j7=0.2:0.4:3 --out grid.csv
   paminsa-viz sweep --vary links.b3=0.2,0.406,0.9 --radius 120 --theta 0 --theta 60 --out three.csv
-  paminsa-viz sweep --random 10000 --vary geometry.base_radius --vary geometry.crank_length
+  paminsa-viz sweep --random 10000 --vary geometry.base_radius --vary geometry.crank_length \\
       --spread 0.2 --seed 1 --scale-bars --out random.csv
   paminsa-viz sweep --vary joints.j7=0:1:11 --preset arch --out arch.csv
 
