@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 import re
 import sys
@@ -95,7 +96,9 @@ def print_json(facts: dict[str, Any], *, signed: bool = True) -> None:
         signed: Whether the program that found them is named first.
     """
     made_by = {"made_by": MADE_BY} if signed else {}
-    text = json.dumps(plain(made_by | facts), indent=2, ensure_ascii=False, allow_nan=False)
+    # JSON is read as UTF-8: in another encoding all that is not ASCII is written as escapes.
+    escaped = codecs.lookup(getattr(sys.stdout, "encoding", None) or "utf-8").name != "utf-8"
+    text = json.dumps(plain(made_by | facts), indent=2, ensure_ascii=escaped, allow_nan=False)
     print(text)
 
 

@@ -121,6 +121,17 @@ def test_json_has_lists_texts_and_null_for_what_results_hold(capsys: Any) -> Non
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252", "ascii"])
+def test_json_is_utf_8_whatever_the_encoding_of_the_output(monkeypatch, encoding: str) -> None:
+    raw = io.BytesIO()
+    output = io.TextIOWrapper(raw, encoding=encoding, errors="replace")
+    monkeypatch.setattr(sys, "stdout", output)
+    print_json({"name": "Größe θ 日本"})
+    output.flush()
+    assert json.loads(raw.getvalue().decode("utf-8"))["name"] == "Größe θ 日本"
+    assert ("θ" in raw.getvalue().decode("utf-8")) == (encoding == "utf-8")
+
+
 def test_blocks_are_lines_with_columns_and_marks(capsys: Any) -> None:
     rows = (Row(("one", "−1.5·10⁻⁷"), "marked"), Row(("another", "2")))
     print_blocks([Note("“first”"), Note("one’s"), Table(("", "θ [″]"), rows, "Values ≤ 3.")])
