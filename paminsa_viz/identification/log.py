@@ -198,8 +198,8 @@ def _check_numbers(t: Array, position: Array, torque: Array, rows: NDArray[np.in
     late = np.flatnonzero(np.diff(t) <= 0)
     if late.size:
         row = int(late[0]) + 1
-        kind = "is there twice" if t[row] == t[row - 1] else f"follows {t[row - 1]:.9g} s"
-        raise InvalidLog(f"times have to increase, and {t[row]:.9g} s {kind}", int(rows[row]), "t")
+        kind = "is there twice" if t[row] == t[row - 1] else f"follows {t[row - 1]:.15g} s"
+        raise InvalidLog(f"times have to increase, and {t[row]:.15g} s {kind}", int(rows[row]), "t")
     turn = (2 * np.pi, "rad is beyond a full turn", "degrees", "deg")
     for name, values, (most, beyond, unit, ending) in zip(
         _NAMES, position.T, [turn] * 3 + [(20.0, "m is beyond 20 m", "millimeters", "mm")],

@@ -131,6 +131,18 @@ def test_what_just_keeps_a_limit_is_no_error(monkeypatch: pytest.MonkeyPatch) ->
                 make_log(t, sign * np.nextafter(still, 100.0), torque)
 
 
+def test_times_of_a_clock_are_told_with_all_their_digits(signals: list[Any]) -> None:
+    """Seconds since 1970, as recorders write them."""
+    t = 1_764_450_000 + signals[0]
+    t[500] = t[499]
+    told = f"{t[499]:.3f}".rstrip("0").rstrip(".")
+    with pytest.raises(InvalidLog, match=rf"times have to increase, and {told} s is there twice"):
+        make_log(t, *signals[1:])
+    t[500] = t[498]
+    with pytest.raises(InvalidLog, match=f" s follows {told} s"):
+        make_log(t, *signals[1:])
+
+
 def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -> None:
     kept = np.r_[0:400, 402:800]
     with pytest.raises(InvalidLog, match="cut the log there") as caught:
