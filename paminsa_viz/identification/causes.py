@@ -276,7 +276,9 @@ def find_causes(identification: Identification) -> Causes:
     ranked = sorted(found, key=lambda cause: -cause.explains)
     named: list[Cause] = []
     current = ranked
-    while len(named) < MOST_NAMED and (significant := [c for c in current if c.significant]):
+    # Beside a wrong unit or sign, causes only explain what that makes of the fit.
+    most = 0 if identification.problem else MOST_NAMED
+    while len(named) < most and (significant := [c for c in current if c.significant]):
         best = significant[0]
         near = [c for c in current if c is not best and c.explains >= NEARLY * best.explains]
         alike = tuple(cause.label for cause in near)

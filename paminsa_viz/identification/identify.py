@@ -35,6 +35,7 @@ from paminsa_viz.identification.results import (
     Identification,
     Identity,
     problem_of,
+    units_problem,
 )
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
@@ -123,7 +124,8 @@ def identify(
     )
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
-    if problem := problem_of(estimates):
+    problem = units_problem(model) or problem_of(estimates)
+    if problem:
         notes.append(problem)
     if settings.robustness:
         notes += _moves(log, solved, design, settings, estimates, values, error)
@@ -132,7 +134,7 @@ def identify(
         None if start is None else tuple(np.asarray(start, np.float64).tolist()),
         estimates, _identity(design, model, solution, settings, estimates),
         signals, model.columns @ solution.x + model.known, solution.noise, tuple(notes),
-        model, solution, blocks, numbers, lag,
+        model, solution, blocks, numbers, lag, problem,
     )  # fmt: skip
 
 

@@ -100,6 +100,38 @@ def problem_of(estimates: Sequence[Estimate]) -> str:
     )
 
 
+ALIKE = 0.5
+"""Least part of the torques that the design's explain, so many times, where a unit is suspected."""
+
+
+def units_problem(model: FitModel) -> str:
+    """Return why torques of M1 to M3 and the force of M4 are of no one robot; empty if they may be.
+
+    Of either it is fitted how many times they are the design's, beside friction and offsets, and
+    beside M_p2, in which a balanced robot differs most from one that is not.
+    """
+    base = np.array([item.kind == "base" for item in model.parameters])
+    wanted = np.array([item.design for item in model.parameters])[base]
+    x = np.linalg.lstsq(model.report[base], wanted, rcond=None)[0]
+    free = ~model.report[base].any(axis=0) | (model.report[1] != 0)
+    gains = []
+    for part in (slice(0, 3), slice(3, 4)):
+        both = np.stack([model.columns[:, part] @ x, model.torque[:, part]], axis=2).reshape(-1, 2)
+        columns = model.columns[:, part, free].reshape(len(both), -1)
+        both = both - columns @ np.linalg.lstsq(columns, both, rcond=None)[0]
+        (own, common), (_, whole) = both.T @ both
+        if common**2 <= ALIKE * own * whole:
+            return ""
+        gains.append(float(common / own))
+    factor = gains[0] / gains[1]
+    if factor < 0 or 1 / WRONG_UNIT <= factor <= WRONG_UNIT:
+        return ""
+    return (
+        f"the torques of M1 to M3 are about {float(f'{factor:.1g}'):g} times those that go with "
+        "force4: check the units of the torques [N·m] and of force4 [N], or the gains"
+    )
+
+
 @dataclass(frozen=True)
 class Identity:
     """What is left of the identity of the masses, M_p2 - 2 g (b_3 - (k-1)/2 b_4 + k/2 b_5) = 0.
@@ -139,6 +171,7 @@ class Identification:
         model, solution, blocks: The fit itself.
         numbers: (m,) block of each sample.
         lag: By what the torques were shifted before the fit [s]; 0 unless a delay is fitted.
+        problem: Why no robot has these numbers, however well they fit; empty if one may.
     """
 
     design: Design
@@ -156,6 +189,7 @@ class Identification:
     blocks: NormalBlocks
     numbers: NDArray[np.int64]
     lag: float
+    problem: str
 
     @property
     def measured(self) -> Array:
@@ -171,11 +205,6 @@ class Identification:
     def unknown(self) -> tuple[Estimate, ...]:
         """The estimates that the log does not tell."""
         return tuple(item for item in self.estimates if not item.known)
-
-    @property
-    def problem(self) -> str:
-        """Why no robot has these numbers, however well they fit; empty if one may."""
-        return problem_of(self.estimates)
 
     @property
     def advice(self) -> str:

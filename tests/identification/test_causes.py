@@ -336,7 +336,8 @@ def test_causes_are_named_one_after_the_other_by_what_they_explain(
     monkeypatch.setitem(_tried.__globals__, "_tried", fits)
     monkeypatch.setitem(_tried.__globals__, "possible_causes", lambda _: candidates)
     model = SimpleNamespace(columns=np.ones((6, 4, 2)), torque=np.ones((6, 4)))
-    found = find_causes.__wrapped__(SimpleNamespace(model=model, numbers=np.zeros(6, int)))  # type: ignore[attr-defined]
+    one = SimpleNamespace(model=model, numbers=np.zeros(6, int), problem="")
+    found = find_causes.__wrapped__(one)  # type: ignore[attr-defined]
     assert [(cause.label, cause.named) for cause in found.named] == [("a", 1), ("b", 2), ("c", 3)]
     # at least 0.6 of what is named: 0.3 of 0.5 is enough, 0.29 is not
     assert [cause.alike for cause in found.named] == [("z", "b"), ("z", "c", "d"), ("z", "d")]

@@ -21,6 +21,7 @@ from paminsa_viz.identification import (
     make_log,
 )
 from paminsa_viz.identification.base_parameters import LEG_PARAMETERS
+from paminsa_viz.identification.causes import find_causes
 from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale
 from paminsa_viz.identification.estimate import RESOLUTION
 from paminsa_viz.identification.filtering import Signals
@@ -379,6 +380,12 @@ def test_torques_of_another_unit_are_suspected_and_robots_of_another_weight_are_
         assert ("N·m" in found.problem) == suspected, factor
         assert (f"about {factor:g} times" in found.problem) == suspected, factor
         assert (found.problem in found.notes) == suspected, factor
+    for factor in (1e-3, 0.01, 100.0, 1e3):  # of M1 to M3 alone
+        scaled = make_log(log.t, log.position, log.torque * [factor, factor, factor, 1.0])
+        found = identify(APPENDIX_4, scaled, QUICK)
+        assert f"about {factor:g} times" in found.problem, factor
+        assert found.problem in found.notes, factor
+        assert find_causes(found).named == (), factor
     # a weight where the design is balanced is no other unit, nor is noise
     noise = np.random.default_rng(0).standard_normal(log.torque.shape) * log.torque.std(axis=0)
     for torque in (log.torque, log.torque + 3 * noise):
