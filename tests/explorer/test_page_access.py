@@ -133,6 +133,35 @@ def test_keys_open_a_tab_and_move_a_slider(tab: Tab) -> None:
         until(lambda o=opened: folder.get_attribute("aria-expanded") == o, f"{key} at a folder")
 
 
+IN_HIGH_CONTRAST = """() => {
+  const seen = (selector, pseudo) => getComputedStyle(
+    [...document.querySelectorAll(selector)].find(e => e.checkVisibility()), pseudo);
+  return {
+    check: seen('[type=checkbox]:checked + svg').color,
+    track: seen('.mantine-Slider-track', '::before').backgroundColor,
+    filled: seen('.mantine-Slider-bar').backgroundColor,
+    chosen: seen('[role=option][data-combobox-selected]').outlineStyle,
+    other: seen('[role=option]:not([data-combobox-selected])').outlineStyle,
+    open: seen('[role=tab][aria-selected=true]').borderBottomStyle,
+    ground: seen('body').backgroundColor,
+  };
+}"""
+
+
+def test_what_is_checked_chosen_or_open_is_seen_in_high_contrast(tab: Tab) -> None:
+    tab.page.emulate_media(forced_colors="active")
+    tab.element("colors").focus()
+    tab.page.keyboard.press("ArrowDown")
+    tab.page.get_by_role("option").first.wait_for()
+    tab.page.keyboard.press("ArrowDown")
+    tab.page.locator("[data-combobox-selected]").wait_for()
+    seen = tab.page.evaluate(IN_HIGH_CONTRAST)
+    tab.page.keyboard.press("Escape")
+    assert len({seen["ground"], seen["track"], seen["filled"]}) == 3
+    assert seen["check"] != seen["ground"]
+    assert (seen["chosen"], seen["other"], seen["open"]) == ("solid", "none", "solid")
+
+
 SEEN = """element => {
   const row = element.closest('[data-paminsa-mark~="row"]');
   const label = row.querySelector('label');

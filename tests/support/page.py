@@ -232,7 +232,7 @@ def _reset(tab: Tab) -> None:
     if tab.page.viewport_size != WINDOW:
         tab.page.set_viewport_size(WINDOW)
         tab.wait_frames(500)  # in which panels follow
-    tab.page.emulate_media(color_scheme="light")
+    tab.page.emulate_media(color_scheme="light", forced_colors="none")
     for _ in range(3):  # what the page has sent before may arrive after it
         # What the page has said of its tabs it does not say again.
         tab.dispatch(lambda s: replace(initial_state(), workspace=s.workspace))
