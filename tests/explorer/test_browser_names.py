@@ -111,9 +111,16 @@ def forget_reports() -> Iterator[None]:
             [
                 hidden("__viserMutable.canvas|backgroundMaterial|requestRender"),
                 hidden("__viserTestpoints"),
+                hidden("paminsaReconnect"),
                 WITHOUT_LINKS,
             ],
-            ["graphics card", "background", "rendering on demand", "links in the address"],
+            [
+                "graphics card",
+                "background",
+                "rendering on demand",
+                "links in the address",
+                "connecting again",
+            ],
         ),
         ([hidden("__viserMutable.scene.__r3f")], ["rendering on demand"]),
     ],

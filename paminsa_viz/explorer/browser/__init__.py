@@ -1,12 +1,12 @@
 """Everything that relies on a non-public name of viser, Plotly, uPlot or Mantine.
 
-In the head of the live page are ``first_paint.js``, ``links.js``, ``context.js``, ``drawing.js``,
-``inputs.js`` and ``number_fields.js``; ``page.js``, the other scripts and the style sheets follow
-with its first messages. ``backdrop.js`` is that of every page with the robot, ``narrow.js`` that of
-every saved one; ``player.html`` and ``player.js`` are those of a saved motion. What a release has
-moved is reported once (`Bridge` on this side, ``self_test.js`` on the other) and costs
-one feature, not the page. The server's guard is the exception: where it does not fit, nothing is
-served.
+In the head of the live page are ``first_paint.js``, ``links.js``, ``reconnect.js``, ``context.js``,
+``drawing.js``, ``inputs.js``, ``print.js`` and ``number_fields.js``; ``page.js``, the other scripts
+and the style sheets follow with its first messages. ``backdrop.js`` is that of every page with the
+robot, ``narrow.js`` that of every saved one; ``player.html`` and ``player.js`` are those of a saved
+motion. What a release has moved is reported once (`Bridge` on this side, ``self_test.js`` on the
+other) and costs one feature, not the page. The server's guard is the exception: where it does not
+fit, nothing is served.
 """
 
 from __future__ import annotations
@@ -53,6 +53,7 @@ def page_head() -> str:
     scripts = (
         asset("first_paint.js", STORE=STORE_KEY),
         asset("links.js", STORE=STORE_KEY, LONGEST=str(LONGEST_LINK + 1)),
+        asset("reconnect.js"),
         asset("context.js"),
         asset("drawing.js", PROGRAMS="|".join(SOFTWARE_RENDERERS), BACKDROPS=_backdrops()),
         asset("inputs.js"),

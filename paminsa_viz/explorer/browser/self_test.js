@@ -16,6 +16,7 @@ window.paminsaSelfTest = (config) => {
       return context?.useEnvironment && context.useDevSettings;
     },
     "each input's newest value (guiActions, mutable)": () => window.paminsaInputs?.works(),
+    "connecting again after a long break (set_server, retry)": () => window.paminsaReconnect?.works(),
     "links in the address (replaceState)": () => {
       const keeps = window.paminsaLinks?.keeps();
       return keeps === null ? UNKNOWN : keeps;
