@@ -16,6 +16,7 @@ import viser
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.core.history import Snapshot
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.balance import actions as balancing
@@ -250,6 +251,16 @@ def test_each_input_sets_the_state_and_undo_takes_it_back(
                 desk.session.undo()
                 desk.until(lambda: desk.state.document == state.document)
                 assert not desk.notices
+
+
+def test_what_undo_sets_back_beside_the_document_is_a_step_of_its_own(state: State) -> None:
+    """Or undo of the step before would take it back with that, without a word."""
+    before = Snapshot.of(state)
+    for entries in PANELS.values():
+        for entry in inputs_in(entries):
+            if not entry.undo and entry.key not in ONE_WAY:
+                after = Snapshot.of(entry.apply(state, entry.parse(state, another(entry, state))))
+                assert after._replace(document=before.document) == before, entry.key
 
 
 @pytest.fixture

@@ -220,7 +220,7 @@ POSE = (
     Html("readout.actuators", content=actuators_html),
     Html("readout.quality", content=quality_html),
     Number(
-        "pose.condition_limit", "Largest condition number", range=(1.5, 1e6), step=1.0, undo=False,
+        "pose.condition_limit", "Largest condition number", range=(1.5, 1e6), step=1.0,
         hint="Poses with a larger condition number, and those within 10 mm (at Appendix 4's "
         "lengths, else in proportion) of a stretched or folded pantograph or of a leg axis, are "
         "too close to a singularity: torques grow without bound. The status warns of them, and "
