@@ -330,7 +330,7 @@ def test_page_connects_again_after_a_long_break(browser: Any, app: Any) -> None:
         context = browser.new_context(viewport={"width": 1280, "height": 720})
         try:
             tab = Tab(context.new_page(), app)
-            tab.page.evaluate(FAIL, [nobody, 80])
+            tab.page.evaluate(FAIL, [nobody, 48])
             before = tab.session
             tab.cut_connection()
             assert tab.session is not before
