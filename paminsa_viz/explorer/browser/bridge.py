@@ -203,6 +203,27 @@ class Bridge:
                 log.exception("a message of the page could not be taken: %s", kind)
 
 
+def newest_value(handle: Any) -> Callable[[], Any]:
+    """Return what tells, within a callback of an input, the value that the page has given it.
+
+    viser sets the input and calls back after that. In between, the session's worker may set it to
+    the state's value, and what a person has just typed would be lost.
+    """
+    given: list[Any] = []
+    try:
+        share = handle._impl.sync_cb  # called before the callbacks are, to tell other pages
+
+        def take(client: Any, updates: Mapping[str, Any]) -> None:
+            given[:] = [updates["value"]]
+            if share is not None:
+                share(client, updates)
+
+        handle._impl.sync_cb = take
+    except AttributeError as error:
+        _report_missing([f"what is typed while the page is drawn ({error})"])
+    return lambda: given.pop() if given else handle.value
+
+
 def _script_channel(client: viser.ClientHandle) -> Callable[[str], None] | None:
     """Return what runs a script in a tab, or None with a viser that has none."""
     try:

@@ -14,6 +14,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from paminsa_viz.explorer.browser.bridge import newest_value
 from paminsa_viz.explorer.core.actions import Action
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
@@ -261,6 +262,7 @@ class Binding:
         self._received = self._taken = 0  # number of the newest value, and of the one applied last
         self._refused = False
         self._timer: threading.Timer | None = None
+        self._newest = newest_value(handle)
         handle.on_update(self._receive)
 
     def draw(self, state: State, dragging: bool = True) -> bool:
@@ -280,7 +282,7 @@ class Binding:
     async def _receive(self, event: Any) -> None:
         if event.client is not None:  # else this program has set it
             self._received += 1
-            action = partial(self._set, self._received, self._handle.value)
+            action = partial(self._set, self._received, self._newest())
             self._dispatch(action, overtakes=self._entry.typed)
 
     def _dispatch(self, action: Action, *, overtakes: bool = False) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import viser
 
-from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge, _report_once, newest_value
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.history import Snapshot
@@ -281,6 +281,7 @@ class FakeInput:
         entry = Slider(
             "x", range=(-1.0, 1.0), step=0.001, read=lambda s: s.document.pose[0], apply=apply
         )
+        self._impl = SimpleNamespace(sync_cb=lambda client, updates: None)
         binding = Binding(session, entry, self)
         view: Any = SimpleNamespace(draw=lambda frame, dragging: binding.draw(frame.state))
         session.immediate.append(view)
@@ -288,14 +289,24 @@ class FakeInput:
     def on_update(self, callback: Callable[[Any], Coroutine[Any, Any, None]]) -> None:
         self.callback = callback
 
-    def receive(self, value: float) -> None:
-        """Do what the server does with a value from the page, in one go on its event loop."""
+    def receive(self, value: float, between: float | None = None) -> None:
+        """Do what the server does with a value from the page, in one go on its event loop.
+
+        Args:
+            value: As above.
+            between: What the worker sets the input to before the callback.
+        """
         self.value = value
+        self._impl.sync_cb(1, {"value": value})
+        self.value = value if between is None else between
         with pytest.raises(StopIteration):  # at its end; a browser test may have a loop that runs
             self.callback(SimpleNamespace(client=self)).send(None)
 
 
-def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(session: Session) -> None:
+@pytest.mark.parametrize("between", [None, 0.0])
+def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(
+    session: Session, between: float | None
+) -> None:
     handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
     drawing, arrived = threading.Event(), threading.Event()
 
@@ -307,7 +318,7 @@ def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(session: Sessio
 
     session.dispatch("worker", write_over)
     assert drawing.wait(10)
-    handle.receive(0.07)
+    handle.receive(0.07, between)
     arrived.set()
     eventually(lambda: session.state.document.pose[0] == 0.07)
     eventually(lambda: handle.value == 0.07)
@@ -328,6 +339,28 @@ def test_input_is_set_back_after_a_refused_value(
     eventually(lambda: session.client.notices)
     eventually(lambda: handle.value == 0.0)
     assert len(session.client.notices) == 1
+
+
+def test_viser_calls_back_after_it_has_told_the_value(server: viser.ViserServer) -> None:
+    entry = next(e for e in inputs_in(PANELS["pose"]) if isinstance(e, Slider))
+    with desk_with(server, [entry]) as desk:
+        handle = desk.handle(entry.key)
+        take, shown = handle._impl.sync_cb, entry.shown(desk.state)
+
+        def then_write_over(client: Any, updates: Any) -> None:
+            take(client, updates)
+            handle._impl.value = shown
+
+        handle._impl.sync_cb = then_write_over
+        desk.set(entry.key, another(entry, desk.state))
+        desk.until(lambda: entry.shown(desk.state) != shown)
+
+
+def test_without_the_name_in_viser_the_input_itself_is_read(caplog: Any) -> None:
+    _report_once.cache_clear()
+    assert newest_value(SimpleNamespace(value=3.0))() == 3.0
+    assert "what is typed while the page is drawn" in caplog.text
+    _report_once.cache_clear()
 
 
 def test_a_number_typed_again_as_it_is_shown_changes_nothing(server: viser.ViserServer) -> None:
