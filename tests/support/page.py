@@ -213,11 +213,16 @@ def drawn(tab: Tab) -> Iterator[Tab]:
         tab.set_drawn(False)
 
 
+MINIMIZE = """[...document.querySelectorAll('[aria-label="Minimize panel"]')]
+  .filter((button) => button.checkVisibility()).forEach((button) => button.click())"""
+"""Folds the panel View, which lies over the scene."""
+
+
 def _reset(tab: Tab) -> None:
     """Bring a tab back to the start by what a person could do, and wait for it."""
     from paminsa_viz.explorer.scene.cameras import CAMERAS, look
     from paminsa_viz.explorer.state.state import initial_state
-    from tests.support.chromium import TIMEOUT, until
+    from tests.support.chromium import OPEN_TABS, TIMEOUT, until
 
     def at_start(state: State) -> bool:
         """Whether it is the first state but for what is computed by itself."""
@@ -236,14 +241,12 @@ def _reset(tab: Tab) -> None:
     for _ in range(3):  # what the page has sent before may arrive after it
         # What the page has said of its tabs it does not say again.
         tab.dispatch(lambda s: replace(initial_state(), workspace=s.workspace))
-        for name in ("Pose", "Torque maps"):
-            if not tab.is_open(name):
-                tab.open_tab(name)
+        for name in sorted({"Pose", "Torque maps"} - set(tab.page.evaluate(OPEN_TABS))):
+            tab.open_tab(name)
         with suppress(AssertionError):
             until(is_reset, "the tab is as at the start", TIMEOUT / 3)
             break
     assert is_reset()
-    for button in tab.page.get_by_role("button", name="Minimize panel").all():
-        button.click()  # the panel View lies over the scene
+    tab.page.evaluate(MINIMIZE)
     tab.session.submit(partial(look, tab.session, CAMERAS[0]))
     tab.page.wait_for_timeout(200)
