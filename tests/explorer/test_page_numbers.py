@@ -10,8 +10,10 @@ import pytest
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
+from paminsa_viz.explorer.kit.design_numbers import label
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.design import PARAMETER
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -219,3 +221,38 @@ def test_stroke_typed_as_it_is_and_no_singular_rotation(tab: Tab) -> None:
     tab.open_tab("Pose")
     until(lambda: "none" in tab.text("quality"), "no rotation is singular")
     assert "inf" not in tab.text("quality") + tab.text("status")
+
+
+def test_a_number_longer_than_its_box_is_shown_shorter_and_edited_as_it_is(tab: Tab) -> None:
+    """Cut off, 3.8e-8 was read as 0.00000003 and 1e14 as 10000000."""
+    first = {"inertias.b3_axial": 3.8e-8, "elastic.drive_linear": 1e17, "links.b1": 0.0012}
+    tab.dispatch(lambda s: actions.vary(s, first))
+    tab.open_tab("Masses")
+    tab.page.get_by_text("Inertias of the links", exact=True).click()
+
+    def box(path: str) -> Any:
+        return tab.number_box(label(PARAMETER[path]))
+
+    def seen(path: str) -> str | None:
+        over = "box => getComputedStyle(box.parentElement, '::after').content"
+        content = box(path).evaluate(over).partition('"')[2]
+        return content.partition('"')[0] or box(path).input_value()
+
+    def shows(path: str, text: str) -> None:
+        until(lambda: seen(path) == text, lambda: f"{path} is shown as {seen(path)}, not {text}", 5)
+
+    shows("inertias.b3_axial", "3.8e-8")  # whose folder was shut
+    shows("links.b1", "0.0012")
+    tab.dispatch(lambda s: actions.vary(s, {"links.b1": 1234.56789}))
+    until(lambda: box("links.b1").input_value() == "1234.56789", "the number", 5)
+    shows("links.b1", "1234.5679")
+    field = box("links.b1")
+    field.click()
+    shows("links.b1", "1234.56789")
+    assert field.evaluate("box => box.scrollWidth <= box.clientWidth")
+    field.press("End")
+    field.press_sequentially("5")
+    field.press("Tab")
+    until(lambda: tab.state.document.design.links.b1 == 1234.567895, "all digits are kept", 5)
+    tab.open_tab("Stiffness")
+    shows("elastic.drive_linear", "1e14")

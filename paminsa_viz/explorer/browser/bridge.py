@@ -97,7 +97,7 @@ class Bridge:
         self._run = _script_channel(client)
         if self._run is not None:
             # before there is anything that is marked, a button, or a chart
-            for name in ("marks.js", "units.js", "hints.js", "axes.js"):
+            for name in ("marks.js", "units.js", "short_numbers.js", "hints.js", "axes.js"):
                 self._run(asset(name))
         self.on("missing", _report_missing)
 

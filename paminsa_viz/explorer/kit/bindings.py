@@ -37,9 +37,10 @@ from paminsa_viz.explorer.kit.entries import (
     Worker,
     given,
 )
-from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Number, Pair, Slider, decimals
+from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Number, OneNumber, Pair, Slider
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.units import number
 
 TYPING_TIMEOUT = 1.0
 """How long an impossible value may remain before it is refused [s]: typing 0.5 passes through 0."""
@@ -195,9 +196,10 @@ class Panel:
                 binding.draw(frame.state, dragging)
 
         self._draws.append(draw)
-        if isinstance(entry, Number) and callable(step := entry.step):
-            self._follow(handle, "step", step)
-            self._follow(handle, "precision", lambda state: decimals(step(state)))
+        if isinstance(entry, OneNumber):
+            self._follow(handle, "precision", entry.places)
+        if isinstance(entry, Number):
+            self._follow(handle, "step", entry.step)
         if isinstance(entry, Pair):
             self._follow(handle, "step", entry.step)
             self._follow(handle, "precision", entry.precision)
@@ -339,7 +341,7 @@ class SliderBinding(Binding):
         self._base = base
         step = given(self._slider.step, state)
         if step != self._handle.step:
-            self._handle.step, self._handle.precision = step, decimals(step)
+            self._handle.step = step
         ends = self._slider.ends(state, self._ends if dragged else base)
         if ends != self._ends:
             self._ends = ends
@@ -348,9 +350,15 @@ class SliderBinding(Binding):
         return written
 
     def _show_marks(self) -> None:
-        """Show the marks between the ends; the page would draw others at an end."""
-        low, high = self._ends
-        marks = tuple(mark for mark in self._marks if low <= mark.value <= high) or None
+        """Show the marks between the ends; without any the page writes the ends.
+
+        It does so with six decimals: an end that has more is written here, or it would be a 0.
+        """
+        marks = tuple(mark for mark in self._marks if self._ends[0] <= mark.value <= self._ends[1])
+        if not marks and self._marks and any(round(end, 6) != end for end in self._ends):
+            first = self._marks[0]
+            marks = tuple(replace(first, value=end, label=number(end)) for end in self._ends)
+        marks = marks or None
         if marks != self._handle._marks:
             self._handle._marks = marks
 

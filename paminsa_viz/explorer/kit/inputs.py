@@ -6,6 +6,7 @@ SI, ``apply`` makes the state with another value; `attribute` returns both for a
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
@@ -23,11 +24,21 @@ from paminsa_viz.units import DisplayUnit
 SPARE_DECIMALS, LEAST_DECIMALS = 2, 3
 """Decimals that a number box shows beyond those of its step, and the fewest it shows."""
 
+FEWEST_DIGITS, DIGITS = 3, 6
+"""A number of which fewer significant digits would be seen is shown with so many instead."""
 
-def decimals(step: float) -> int:
-    """Return how many decimals a number box with a step shows; it takes any number of them."""
+
+def decimals(step: float, value: float = 0.0) -> int:
+    """Return how many decimals a number box with a step shows; it takes any number of them.
+
+    Args:
+        step: The step.
+        value: The number, if one far below the step is meant as it is, and is no rounding of 0.
+    """
     exact = Decimal(repr(float(step))).normalize().as_tuple().exponent
-    return max(SPARE_DECIMALS - int(exact), LEAST_DECIMALS)
+    places = max(SPARE_DECIMALS - int(exact), LEAST_DECIMALS)
+    first = -math.floor(math.log10(abs(value))) if value else 0
+    return places if first + FEWEST_DIGITS - 1 <= places else first + DIGITS - 1
 
 
 def same_digits(a: Any, b: Any, places: int) -> bool:
@@ -150,7 +161,15 @@ class OneNumber(Input):
         return self.unit.from_si(self.read(state))
 
     def is_shown(self, state: State, value: Any) -> bool:
-        return same_digits(value, self.shown(state), decimals(given(self.step, state)))
+        return same_digits(value, self.shown(state), self.places(state))
+
+    def places(self, state: State) -> int:
+        """Return how many decimals are shown: of a small mass or inertia more than of its step.
+
+        Of lengths and angles, in mm and degrees, what is far below a step is rounding.
+        """
+        value = self.shown(state) if self.unit.factor <= 1 else 0.0
+        return decimals(given(self.step, state), value)
 
 
 @dataclass(frozen=True)
@@ -188,7 +207,7 @@ class Slider(OneNumber):
         low, high = self.ends(state, given(self.range, state))
         value, step = self.shown(state), given(self.step, state)
         handle = gui.add_slider(label, low, high, step, value, marks=self.marks, **properties)
-        handle.precision = decimals(step)
+        handle.precision = self.places(state)
         return handle
 
 
@@ -211,7 +230,7 @@ class Number(OneNumber):
         low, high = holding(in_unit(self.range, self.unit), value)
         step = given(self.step, state)
         handle = gui.add_number(label, value, min=low, max=high, step=step, **properties)
-        handle.precision = decimals(step)
+        handle.precision = self.places(state)
         return handle
 
 

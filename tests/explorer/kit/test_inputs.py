@@ -372,12 +372,27 @@ def test_a_number_typed_again_as_it_is_shown_changes_nothing(server: viser.Viser
             desk.dispatch(lambda s, v=value: actions.vary(s, {path: v}))
             desk.until(lambda: desk.handle(entry.key).value == entry.shown(desk.state))
             before = desk.state.document.design
-            places = decimals(given(entry.step, desk.state))
+            places = entry.places(desk.state)
             desk.set(entry.key, round(desk.handle(entry.key).value, places))
             desk.dispatch(lambda s: s)
             assert desk.state.document.design == before
             desk.set(entry.key, 300.25)
             desk.until(lambda b=before: desk.state.document.design != b)
+
+
+def test_a_small_number_is_shown_with_its_digits() -> None:
+    """3.8e-8 kg·m² in a box of the prototype was 0.0000000; 1e-16 mm of a pose is 0."""
+    assert [decimals(step) for step in (0.00005, 0.5, 10.0)] == [7, 3, 3]
+    for value in (3.81234e-8, -9.87654e-6, 2.5e-30):
+        assert float(f"{value:.{decimals(0.00005, value)}f}") == value
+    for value in (1e-5, 0.0038, 0.0, 12.0):
+        assert decimals(0.00005, value) == 7, value
+    masses = next(e for e in inputs_in(PANELS["design"]) if e.key == "design.links.b1")
+    pose = next(e for e in inputs_in(PANELS["pose"]) if isinstance(e, Slider))
+    state = actions.vary(initial_state(), {"links.b1": 2.5e-7})
+    state = actions.move(state, x=1e-12)
+    assert isinstance(masses, Slider)
+    assert (masses.places(state), pose.places(state)) == (12, 3)
 
 
 def test_the_page_is_told_tooltips_of_buttons_and_their_changes(
