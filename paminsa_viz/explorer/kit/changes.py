@@ -10,6 +10,9 @@ from paminsa_viz.explorer.state.settings import Setting
 from paminsa_viz.model import Design
 from paminsa_viz.model.grids import COORDINATES
 
+BODIES = "size of the bodies"
+"""The one number of a geometry that only drawn bodies and their clearances depend on."""
+
 DESIGN_PARTS = {
     "geometry": "lengths",
     "joints": "masses",
@@ -42,6 +45,7 @@ NAMES = {
     "measured": "measured poses",
     "bounds": "requirements",
     "against": "second objective",
+    "body_scale": BODIES,
 }
 """What people call the fields of jobs, where it is not their own name."""
 
@@ -59,6 +63,10 @@ def _differences(before: Any, now: Any) -> Iterator[str]:
         setting: Setting | None = item.metadata.get("setting")
         if setting is not None and setting.label:
             yield f"“{setting.label.partition(' [')[0]}”"
+        elif isinstance(before, Design) and item.name == "geometry":
+            inner = set(_differences(old, new))
+            yield from ([DESIGN_PARTS["geometry"]] if inner - {BODIES} else [])
+            yield from inner & {BODIES}
         elif isinstance(before, Design):
             yield DESIGN_PARTS.get(item.name, item.name)
         elif item.name == "pose" and isinstance(new, tuple) and isinstance(old, tuple):

@@ -20,7 +20,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.core.tab_store import task_name
-from paminsa_viz.explorer.kit.changes import changed_names, sentence
+from paminsa_viz.explorer.kit.changes import BODIES, changed_names, sentence
 from paminsa_viz.explorer.kit.entries import Button, Given, ProgressBar, Worker, given
 from paminsa_viz.explorer.kit.text import status
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState, solve
@@ -47,6 +47,7 @@ class Task(Generic[Job, Result]):
         own: Whether a job at the place is one of this task, where several share the place.
         again: The job that would find an outcome anew; `job` of the state if None.
         undo: Whether what an outcome changes can be undone.
+        bodies: Whether the result depends on the size of the drawn bodies.
     """
 
     place: Place[Any]
@@ -58,6 +59,7 @@ class Task(Generic[Job, Result]):
     own: Callable[[Job], bool] = lambda job: True
     again: Callable[[State, Outcome[Job, Result]], Job] | None = None
     undo: bool = False
+    bodies: bool = False
 
     def start(self, state: State) -> State:
         """Start the job of a state; what runs at the place is not wanted any more.
@@ -114,7 +116,8 @@ class Task(Generic[Job, Result]):
             return (error.argument,)
         except PaminsaError:
             return ("what it was made of",)
-        return changed_names(outcome.job, now)
+        names = changed_names(outcome.job, now)
+        return tuple(name for name in names if self.bodies or name != BODIES)
 
     def now(self, state: State) -> Job | None:
         """Return the job of a state, or None if there is none."""

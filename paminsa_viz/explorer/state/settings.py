@@ -99,7 +99,7 @@ def _ends(one: Setting) -> str:
     return f"at least {low}" if high is None else f"{low} to {high}"
 
 
-def _at_first(value: float, power: int, ratio: float, ends: tuple[float, float]) -> float:
+def at_first(value: float, power: int, ratio: float, ends: tuple[float, float]) -> float:
     """Return what a number begins with on a robot, to one digit, from its value for the prototype.
 
     Args:
@@ -132,7 +132,7 @@ def followed(
     changes = {}
     for name, (power, ends) in powers.items():
         value = getattr(first, name)
-        before, after = (_at_first(value, power, one, ends) for one in (was, now))
+        before, after = (at_first(value, power, one, ends) for one in (was, now))
         if getattr(owner, name) == before != after:
             changes[name] = after
     return replace(owner, **changes) if changes else owner

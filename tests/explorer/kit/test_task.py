@@ -9,7 +9,11 @@ from typing import Any
 
 import pytest
 
+from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.place import Place
+from paminsa_viz.explorer.features.requirements.actions import LARGEST
+from paminsa_viz.explorer.features.springs.actions import FIT
+from paminsa_viz.explorer.features.synthesis.actions import SEARCH
 from paminsa_viz.explorer.kit.entries import Button
 from paminsa_viz.explorer.kit.task import Task, TaskRunner
 from paminsa_viz.explorer.state.outcome import Outcome
@@ -193,3 +197,18 @@ def test_a_result_says_what_has_changed_since(bench: Bench) -> None:
     assert made.is_stale(other)
     assert made.stale_text(other) == "Changed since: “Masses ±” and “Lengths ±”."
     assert not made.is_stale(other.updated("tolerances", settings=state.tolerances.settings))
+
+
+def test_the_size_of_the_bodies_is_no_length_and_changes_only_what_depends_on_it() -> None:
+    of_robot: Task[Any, float] = Task(PLACE, lambda state: state.document, lambda job, _: 1.0)
+    of_bodies, state = replace(of_robot, bodies=True), initial_state()
+    started = of_robot.start(state)
+    ticket = started.tolerances.ticket
+    found = of_robot.deliver(started, ticket, Outcome(of_robot.job(state), 1.0))
+    larger = actions.vary(found, {"geometry.body_scale": 1.5})
+    assert not of_robot.is_stale(larger)
+    assert of_bodies.stale_text(larger) == "Changed since: size of the bodies."
+    other = actions.vary(larger, {"geometry.crank_length": 0.43})
+    assert of_robot.stale_text(other) == "Changed since: lengths."
+    assert of_bodies.stale_text(other) == "Changed since: lengths and size of the bodies."
+    assert [SEARCH.bodies, LARGEST.bodies, FIT.bodies] == [True, True, False]

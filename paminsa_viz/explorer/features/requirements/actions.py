@@ -313,8 +313,9 @@ def _largest_again(state: State, outcome: LargestOutcome) -> LargestJob:
 
 
 LARGEST = Task(
-    Place(lambda state: state.requirements.largest), largest_job, find_largest, again=_largest_again
-)
+    Place(lambda state: state.requirements.largest), largest_job, find_largest,
+    again=_largest_again, bodies=True,
+)  # fmt: skip
 """Searches for the largest workspace that is proven."""
 
 

@@ -82,8 +82,9 @@ def _search(job: SynthesisJob, progress: Progress) -> SearchResult:
 
 
 SEARCH = Task(
-    Place(lambda state: state.synthesis), search_job, _search, receive=receive, again=_again
-)
+    Place(lambda state: state.synthesis), search_job, _search, receive=receive, again=_again,
+    bodies=True,
+)  # fmt: skip
 """Searches for a robot that meets the requirements."""
 
 

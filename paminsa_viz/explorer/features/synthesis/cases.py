@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from paminsa_viz.explorer.state.settings import at_first
 from paminsa_viz.explorer.state.synthesis import (
     BOTH,
     LARGER,
@@ -11,6 +12,7 @@ from paminsa_viz.explorer.state.synthesis import (
     SynthesisSettings,
 )
 from paminsa_viz.model import BarLaw, Design, InvalidInput
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.search.case import (
     DEFAULT_PATHS,
@@ -38,9 +40,14 @@ KINDS: dict[str, tuple[Regime, ...]] = {
 }
 """Which of base and platform may be larger, by their labels."""
 
-LEAST_MARGIN = 0.001
-"""Least distance to the limits of reach, where nothing else is required [m]."""
+LEAST_MARGIN = LEAST_CLEARANCE = 0.001
+"""Least distances to the limits of reach and of two bodies, where nothing else is required [m].
 
+They are for about the prototype's lengths and bodies, and follow those of other robots.
+"""
+
+POSSIBLE = (1e-6, 0.1)
+"""Ends of both [m]."""
 
 LEAST, LARGEST = 1e-3, 100.0
 """Ends of what can be searched [m, or 1 of k]."""
@@ -98,6 +105,8 @@ def case_of(
         for bound in requirements.bounds
         if bound.quantity == "reach_margin" and bound.low is not None
     ]
+    ratio, scale = length_ratio(design.geometry), design.geometry.body_scale
+    margin = at_first(LEAST_MARGIN, 1, ratio, POSSIBLE)
     return SynthesisCase(
         requirements,
         tuple(SearchRange(path, *ends) for path, ends in ranges.items() if ends[0] != ends[1]),
@@ -106,7 +115,8 @@ def case_of(
         bars=BarLaw(grow=settings.tubes_grow, tubes=settings.tube_masses),
         allow_overlap=settings.allow_overlap,
         above_guides=settings.above_guides,
-        margin=max([LEAST_MARGIN, *margins]),  # which a guide that follows has, too
+        clearance=at_first(LEAST_CLEARANCE, 1, scale, POSSIBLE),
+        margin=max([margin, *margins]),  # which a guide that follows has, too
         regimes=KINDS[settings.regimes],
         seed=settings.seed,
         effort=EFFORTS[settings.effort],

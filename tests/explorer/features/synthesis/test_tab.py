@@ -39,6 +39,7 @@ from paminsa_viz.synthesis.search.case import DEFAULT_PATHS, Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
 from tests.support.desk import Desk
+from tests.support.samples import enlarged, prototype_times
 from tests.support.tables import assert_parts, tables_in
 from tests.support.tasks import delivered
 
@@ -97,6 +98,17 @@ def test_a_required_margin_of_reach_is_that_of_the_guides_too(asked: State) -> N
     document = state.document
     case = cases.case_of(state.synthesis.settings, document.design, document.requirements)
     assert case.margin == 0.02
+
+
+def test_least_distances_are_those_of_a_robot_of_the_size(asked: State) -> None:
+    """A millimeter is a tenth of a small robot's platform, and nothing to a large one's tubes."""
+    settings, required = asked.synthesis.settings, asked.document.requirements
+    for design, clearance, margin in (
+        (APPENDIX_4, 1e-3, 1e-3), (enlarged(APPENDIX_4, 0.05), 5e-5, 5e-5),
+        (enlarged(APPENDIX_4, 10.0), 0.01, 0.01), (prototype_times(10.0), 1e-3, 0.01),
+    ):  # fmt: skip
+        case = cases.case_of(settings, design, required)
+        assert (case.clearance, case.margin) == (clearance, margin)
 
 
 @pytest.mark.slow
