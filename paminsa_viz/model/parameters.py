@@ -20,7 +20,7 @@ from paminsa_viz.units import DisplayUnit, display_unit, format_ascii, unit_text
 # ----------------------------------------------------------------- ranges of numbers by their units
 
 LARGEST = {
-    "": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3,
+    "": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e7, "m/s^2": 1e3, "N": 1e6, "N m": 1e7,
     "Pa": 1e18, "N/m": 1e18, "N m/rad": 1e18, "kg/m^3": 1e5, "m^2": 1.0, "m^4": 1.0,
 }  # fmt: skip
 """Largest number of each unit; any other unit has `LARGEST_OTHER`."""

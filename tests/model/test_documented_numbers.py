@@ -75,7 +75,11 @@ def test_numbers_have_ends_beyond_which_there_is_no_machine() -> None:
         assert APPENDIX_4.vary({path: most}).value(path) == most
         with pytest.raises(InvalidDesign):
             APPENDIX_4.vary({path: np.nextafter(most, np.inf)})
-    assert (LARGEST["m"], LARGEST["kg"], LARGEST["kg m^2"], LARGEST[""]) == (1e2, 1e4, 1e4, 1e2)
+    assert (LARGEST["m"], LARGEST["kg"], LARGEST[""]) == (1e2, 1e4, 1e2)
+    # The heaviest bar of the largest length about its center, and its weight, are no error.
+    assert LARGEST["kg"] * LARGEST["m"] ** 2 / 12 < LARGEST["kg m^2"] == 1e7
+    assert LARGEST["kg"] * 9.81 < LARGEST["N"] == 1e6
+    assert LARGEST["kg"] * 9.81 * LARGEST["m"] / 2 < LARGEST["N m"] == 1e7
     assert {LARGEST[unit] for unit in ("Pa", "N/m", "N m/rad")} == {1e18}
     assert (LARGEST_OTHER, SMALLEST) == (1e4, 1e-6)
     assert LARGEST["m/s^2"] == pytest.approx(100 * 9.81, rel=0.02)  # a hundred times the Earth's
