@@ -165,7 +165,8 @@ def shrunk(value: float, unit: str, geometry: Geometry) -> float:
     The numbers of a micro-manipulator would all be in a slider's first pixel, and less than a step.
     For a large robot sliders grow, see `fitted_range`.
     """
-    decades = min(round(math.log10(length_ratio(geometry))), 0) * _POWERS.get(unit, 0)
+    size = math.log10(length_ratio(geometry))
+    decades = round(size * _POWERS.get(unit, 0)) if round(size) < 0 else 0
     return float(f"{value * 10.0**decades:.6g}") if decades else value
 
 

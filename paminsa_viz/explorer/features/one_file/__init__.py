@@ -17,7 +17,7 @@ from paminsa_viz.codegen.printer import Printer
 from paminsa_viz.dimensions.layout import frame_lengths, platform_range
 from paminsa_viz.explorer.core import persistence
 from paminsa_viz.explorer.features.one_file.motions import motions_data
-from paminsa_viz.explorer.features.pose.tab import GRAIN, LEAST_STEPS, POSE
+from paminsa_viz.explorer.features.pose.tab import LEAST_STEPS, POSE, grain
 from paminsa_viz.explorer.kit import design_numbers
 from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.kit.inputs import Slider
@@ -148,7 +148,7 @@ def _data(document: Document) -> dict[str, Any]:
         "masses": dict(zip(Masses._fields, MASS_PATHS, strict=True)),
         "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
         "heading": list(kinematic_formulas.HEADING),
-        "grain": GRAIN,
+        "grain": grain(state.document.design.geometry),
         "leastSteps": LEAST_STEPS,
         "limits": [limit.label for limit in MARGINS],
         "motions": motions_data(),

@@ -12,6 +12,7 @@ from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.core import actions, clearance
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit.design_numbers import of_size, shrunk
 from paminsa_viz.explorer.kit.entries import Button, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
@@ -60,7 +61,8 @@ def status_line_html(frame: Frame) -> str:
     level, title, lines = _status(frame)
     if frame.health is Health.OK and level == "ok":
         margin = 1e3 * frame.configuration.reach.margins.min()
-        lines = [f"margin {fixed(float(margin), 0)} mm to the nearest limit"]
+        places = 0 if grain(frame.configuration.geometry) == GRAIN else 1
+        lines = [f"margin {fixed(float(margin), places)} mm to the nearest limit"]
     back = bool(frame.state.steps.back)
     return render("pose/status_line.j2", level=level, title=title, lines=lines, back=back)
 
@@ -147,7 +149,8 @@ Range = tuple[float, float]
 @kept(64)
 def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
-    radius = float(max(ceil(1e3 * workspace_radius(geometry) / GRAIN), LEAST_STEPS) * GRAIN)
+    step = grain(geometry)
+    radius = float(max(ceil(1e3 * workspace_radius(geometry) / step), LEAST_STEPS) * step)
     return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry)
 
 
@@ -157,18 +160,23 @@ def heights(geometry: Geometry) -> Range:
     Home is always among them. The frame is drawn for machines like the paper's; to others it may
     leave less room, or none.
     """
-    place = layout(geometry)
-    low = ceil(1e3 * place.platform_low / GRAIN) * GRAIN
-    high = floor(1e3 * place.platform_high / GRAIN) * GRAIN
-    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry)[3])
+    place, step = layout(geometry), grain(geometry)
+    low = ceil(1e3 * place.platform_low / step) * step
+    high = floor(1e3 * place.platform_high / step) * step
+    return holding((low, max(high, low + step)), 1e3 * home_pose(geometry)[3], step)
 
 
-def holding(ends: Range, value: float) -> Range:
-    """Return a range, grown if it has to be to hold a value."""
+def grain(geometry: Geometry) -> float:
+    """Return what the ends of x, y and z are multiples of [mm], finer for a small robot."""
+    return shrunk(GRAIN, "m", geometry)
+
+
+def holding(ends: Range, value: float, step: float = GRAIN) -> Range:
+    """Return a range, grown to a multiple of a step if it has to be to hold a value."""
     low, high = ends
     return (
-        float(min(low, floor(value / GRAIN) * GRAIN)),
-        float(max(high, ceil(value / GRAIN) * GRAIN)),
+        float(low if low <= value else floor(value / step) * step),
+        float(high if high >= value else ceil(value / step) * step),
     )
 
 
@@ -182,7 +190,7 @@ def _slider(index: int, label: str, unit: str, step: float, hint: str) -> Slider
         return pose_limits(geometry)[index]
 
     return Slider(
-        f"pose.{coordinate}", label, unit=display_unit(unit), step=step, hint=hint,
+        f"pose.{coordinate}", label, unit=display_unit(unit), step=of_size(step, unit), hint=hint,
         range=limits, fit=holding,
         read=lambda state: state.document.pose[index],
         apply=lambda state, value: actions.move(state, **{coordinate: value}),

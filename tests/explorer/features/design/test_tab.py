@@ -39,7 +39,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.units import number, symbol_text
 from tests.support.desk import Desk
-from tests.support.samples import prototype_times, random_design
+from tests.support.samples import enlarged, prototype_times, random_design
 
 PANEL = (*LENGTHS, *MASSES, *LOAD)
 ROWS = {p.path: slider(p) for group in GROUPS for p in group.parameters}
@@ -191,6 +191,17 @@ def test_sliders_of_a_small_robot_have_ends_and_steps_of_its_size(desk: Desk) ->
     desk.until(lambda: desk.design.inertias.b7_axial == 7e-9)
     desk.dispatch(lambda state: actions.with_design(state, APPENDIX_4))
     desk.until(lambda: [mark.label for mark in handle._marks] == ["0.0008"])
+
+
+def test_values_of_small_robots_are_not_at_the_low_end_of_their_sliders() -> None:
+    """Masses of a robot of 1/25 were in the first fiftieth of the slider, inertias a hundredth."""
+    for times in (0.3, 0.1, 0.04, 0.01):
+        design = enlarged(APPENDIX_4, times)
+        for path in ("geometry.crank_length", "links.b1", "inertias.b3_transverse"):
+            _, high, step = base_range(PARAMETER[path], design.geometry)
+            value = PARAMETER[path].display.from_si(design.value(path))
+            assert 0.09 < value / high < 1.6, path
+            assert step < 0.02 * value, path
 
 
 def test_typing_through_an_impossible_number_is_not_interrupted(desk: Desk) -> None:

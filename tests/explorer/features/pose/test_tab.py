@@ -25,19 +25,22 @@ from paminsa_viz.explorer.features.pose.tab import (
     load_html,
     pose_limits,
     quality_html,
+    status_line_html,
     summary_html,
     torques_html,
 )
 from paminsa_viz.explorer.kit.bindings import Panel
+from paminsa_viz.explorer.kit.entries import given as given_in
+from paminsa_viz.explorer.kit.inputs import Slider
 from paminsa_viz.explorer.kit.robot_texts import gauge_html
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
-from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.reach import home_pose, workspace_radius
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
-from tests.support.samples import prototype_times, random_design, with_knee
+from tests.support.samples import enlarged, prototype_times, random_design, with_knee
 
 PANEL = POSE
 HOME = -552.0
@@ -79,6 +82,22 @@ def shown(desk: Desk, name: str = "z") -> tuple[float, float, float]:
     """Return value and ends of a slider, in mm."""
     slider = desk.handle(f"pose.{name}")
     return slider.value, slider.min, slider.max
+
+
+def test_sliders_of_a_small_robot_are_as_fine_as_it_is() -> None:
+    """They went to ±50 mm in steps of a millimeter for a workspace of ±13 mm."""
+    small = enlarged(APPENDIX_4, 0.04)
+    (_, x), _, _, (low, high) = pose_limits(small.geometry)
+    assert 0.9e3 * workspace_radius(small.geometry) < x < 1.5e3 * workspace_radius(small.geometry)
+    place = layout(small.geometry)
+    assert [low, high] == pytest.approx(
+        [1e3 * place.platform_low, 1e3 * place.platform_high], abs=1
+    )
+    state = initial_state(small)
+    steps = [given_in(entry.step, state) for entry in POSE if isinstance(entry, Slider)]
+    assert steps == [0.1, 0.1, 0.5, 0.1]
+    margin = 1e3 * compute(state).configuration.reach.margins.min()
+    assert f"margin {margin:.1f} mm to the nearest limit" in status_line_html(compute(state))
 
 
 def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
