@@ -76,9 +76,16 @@ def full_moment(largest: float) -> float:
     return _round_up(max(largest, 1e-9))
 
 
-def scale_text(scale: float) -> str:
-    """Return what a label says of a scale [N for `BAR`]."""
-    return f"{1e3 * BAR:.0f} mm = {number(scale, 3)} N"
+def scale_text(scale: float, size: float, unit: str = "N") -> str:
+    """Return what a label says of a scale, beside symbols of a size: of 100 mm, 1 m or 10 mm.
+
+    Args:
+        scale: What `BAR` stands for [unit].
+        size: As of `symbol_size`.
+        unit: The unit.
+    """
+    times = 10.0 ** round(math.log10(size))
+    return f"{number(1e3 * BAR * times)} mm = {number(scale * times, 3)} {unit}"
 
 
 def load_arrow(design: Design, pose: Array, largest: float = 0.0) -> tuple[Array, float]:
@@ -149,7 +156,8 @@ def load_text(design: Design, scale: float, full: float) -> str:
     load, parts = design.load, []
     force = float(np.linalg.norm(load.wrench[:3]))
     if force:
-        parts.append(f"{number(force, 3)} N ({scale_text(scale)})")
+        stated = scale_text(scale, symbol_size(design.geometry))
+        parts.append(f"{number(force, 3)} N ({stated})")
     if load.moment_z:
         arc = f"full arc {number(full, 3)} N·m"
         parts.append(f"moment {number(load.moment_z, 3)} N·m about z ({arc})")
@@ -192,7 +200,7 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * radius * BAR / scale
     circle = center + np.stack([ring[:-1:2], ring[1::2]], axis=1)
     yield lines("/forces/disc", circle, frame.state.theme.ink, 2.0)
-    text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale)})"
+    text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale, size)})"
     yield label("/forces/polygon label", text, center - [0.0, 0.0, (ABOVE + BELOW) * size])
 
 
@@ -206,8 +214,8 @@ def wrench_solid(frame: Frame) -> Iterator[Node]:
         return
     center = frame.configuration.pose[[0, 1, 3]]
     corners = found.vertices / [1.0, 1.0, found.length]
-    farthest = FARTHEST * symbol_size(frame.shown_design.geometry)
-    scale = round_scale(float(np.linalg.norm(corners, axis=1).max()), farthest)
+    size = symbol_size(frame.shown_design.geometry)
+    scale = round_scale(float(np.linalg.norm(corners, axis=1).max()), FARTHEST * size)
     places = center + corners * BAR / scale
     yield mesh(
         "/forces/solid", places, _TRIANGLES, palette.PLATFORM, opacity=0.35, flat_shading=True
@@ -216,7 +224,7 @@ def wrench_solid(frame: Frame) -> Iterator[Node]:
     colors = linear_colors(*(LEG_COLORS[2 - (a ^ b).bit_length() + 1] for a, b in _EDGES))
     yield lines("/forces/edges", places[np.array(_EDGES)], colors[:, None].repeat(2, axis=1), 2.5)
     limit, up = found.faces[found.limiting_face], "moment over platform radius"
-    text = f"limit: {limit} (up: {up}; {scale_text(scale)})"
+    text = f"limit: {limit} (up: {up}; {scale_text(scale, size)})"
     yield label("/forces/solid label", text, (center[0], center[1], places[:, 2].min()))
 
 

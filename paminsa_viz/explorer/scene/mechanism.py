@@ -12,6 +12,7 @@ from paminsa_viz import palette
 from paminsa_viz.dimensions.attached import payload_center
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.forces import scale_text
 from paminsa_viz.explorer.scene.nodes import Node, arrows, ball, copies, label, lines
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
@@ -20,7 +21,6 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.units import number
 
 JOINTS: Final = (2, 3, 4, 5, 7, 8, 9)
 """The paper's joint numbers, in the order drawn."""
@@ -208,4 +208,4 @@ def weights_meaning(frame: Frame) -> LegendRow:
         return None
     points, size = mass_centers(design, frame.configuration), symbol_size(design.geometry)
     scale = newtons_per_bar(points, design.gravity, size)
-    return (palette.INK,), f"weights, 100 mm = {number(scale, 3)} N"
+    return (palette.INK,), f"weights, {scale_text(scale, size)}"

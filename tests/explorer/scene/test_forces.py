@@ -34,6 +34,13 @@ from tests.support.scene import POSE, Scene, frame_at
 LOADED = replace(APPENDIX_4, load=LoadCase(30.0, 0.0, -40.0, moment_z=5.0, point_x=0.05))
 
 
+def test_scale_is_stated_of_a_length_beside_the_robots() -> None:
+    """Of a robot of 14 mm it was 100 mm = 0.2 N at an arrow of 10 mm."""
+    texts = [scale_text(0.2, 0.04), scale_text(50.0, 1.0), scale_text(500.0, 20.0)]
+    assert texts == ["10 mm = 0.02 N", "100 mm = 50 N", "1000 mm = 5000 N"]
+    assert scale_text(20.0, 0.5, "µm") == "100 mm = 20 µm"
+
+
 @given(largest=st.floats(1e-6, 1e6), longest=st.floats(0.05, 2.0))
 def test_scale_is_a_round_number_that_fits(largest: float, longest: float) -> None:
     scale = round_scale(largest, longest)
@@ -49,7 +56,7 @@ def test_arrow_has_the_length_that_its_label_states(scene: Scene) -> None:
     np.testing.assert_allclose(np.linalg.norm(arrow[0, 0] - np.array(POSE)[[0, 1, 3]]), 0.05)
     scene.draw(design=LOADED, layers=["load"])
     text = scene.nodes["/load/label"].text
-    assert scale_text(scale) in text
+    assert scale_text(scale, 1.0) in text
     assert "moment 5 N·m about z" in text
     turned = replace(LOADED, load=replace(LOADED.load, frame=LoadFrame.PLATFORM))
     force = np.diff(load_arrow(turned, np.array(POSE))[0][0], axis=0)[0]

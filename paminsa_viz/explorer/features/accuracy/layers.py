@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 from paminsa_viz import palette
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import segments
-from paminsa_viz.explorer.scene.forces import BAR, round_scale
+from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.kept import kept
@@ -104,7 +104,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
     else:
         vertices, faces, edges = prism(found)
         scale = round_scale(float(np.linalg.norm(vertices, axis=1).max()), FARTHEST * size)
-        text = error_text(found, scale)
+        text = error_text(found, scale, size)
         drawn = BAR / scale
         if len(vertices) > 4:
             yield mesh(
@@ -117,9 +117,9 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
     yield label("/drive_errors/label", text, center - [0.0, 0.0, BELOW * size])
 
 
-def error_text(found: DriveErrors, scale: float) -> str:
-    """Return the label: the worst errors, and what `BAR` stands for [m]."""
+def error_text(found: DriveErrors, scale: float, size: float) -> str:
+    """Return the label: the worst errors, and what `BAR` stands for [m], for symbols of a size."""
     plane, lift = (number(1e6 * float(v), 3) for v in (found.horizontal, found.worst[3]))
     turn = display_unit("rad:arcsec").format(float(found.worst[2]), 3)
-    stated = f"{1e3 * BAR:.0f} mm = {number(1e6 * scale, 3)} µm"
+    stated = scale_text(1e6 * scale, size, "µm")
     return f"± {plane} µm, z ± {lift} µm, θ ± {turn} ({stated})"

@@ -83,7 +83,7 @@ def joint_arrows(frame: Frame) -> Iterator[Node]:
     found = forces.magnitude
     leg, index = np.unravel_index(int(found.argmax()), found.shape)
     text = f"largest {number(float(found.max()), 3)} N at joint {JOINTS[index].label}"
-    text += f", leg {leg + 1} ({scale_text(scale)})"
+    text += f", leg {leg + 1} ({scale_text(scale, size)})"
     yield _label("joint_forces", text, frame.configuration, 1.0)
 
 

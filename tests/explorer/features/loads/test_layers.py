@@ -30,7 +30,7 @@ def test_arrows_start_at_the_joints_and_are_to_the_stated_scale(scene: Scene) ->
     weight = APPENDIX_4.platform.mass * APPENDIX_4.gravity
     np.testing.assert_allclose(vectors[:, JOINT_INDEX["5"]].sum(axis=0), [0, 0, weight], atol=1e-9)
     scene.draw(layers=["joint_forces"])
-    assert scale_text(scale) in scene.nodes["/joint_forces/label_joint_forces"].text
+    assert scale_text(scale, 1.0) in scene.nodes["/joint_forces/label_joint_forces"].text
 
 
 def test_sleeves_cover_the_bars_and_the_lightest_has_most_stress(scene: Scene) -> None:
