@@ -266,9 +266,8 @@ class Causes:
 def find_causes(identification: Identification) -> Causes:
     """Return what may be wrong with the model of an identified robot, ranked."""
     candidates = possible_causes(identification)
-    extra = np.stack([item.column for item in candidates], axis=-1)
     model = identification.model
-    columns = np.concatenate([model.columns, extra], axis=-1)
+    columns = [model.columns, *(item.column[..., None] for item in candidates)]
     blocks = normal_blocks(columns, model.torque, identification.numbers)
     base = list(range(model.columns.shape[-1]))
     places = {item.label: base[-1] + 1 + i for i, item in enumerate(candidates)}

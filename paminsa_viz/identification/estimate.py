@@ -8,6 +8,7 @@ for each block and actuator, so that leaving one out is a subtraction.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -33,6 +34,9 @@ LOST = 1e-4
 
 RESOLUTION = 1e-9
 """Least noise of an actuator, over the largest RMS of all of them."""
+
+BLOCKS_AT_ONCE = 64
+"""Blocks whose rows are copied at once: those of a long log fill the memory."""
 
 ITERATIONS = 3
 """How often the actuators' noise is estimated again; the weights are those of the last but one."""
@@ -100,22 +104,31 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
     return found
 
 
-def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> NormalBlocks:
+def normal_blocks(
+    columns: Array | Sequence[Array], torque: Array, numbers: NDArray[np.int64]
+) -> NormalBlocks:
     """Return the normal equations of all blocks.
 
     Args:
-        columns: (m, 4, n).
+        columns: (m, 4, n), or several such arrays, which are never put together as a whole.
         torque: (m, 4).
         numbers: (m,) increasing block numbers.
     """
     counts = np.bincount(numbers)
-    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    place = np.arange(len(numbers)) - first[numbers]
-    n = columns.shape[-1]
-    rows = np.zeros((len(counts), 4, int(counts.max()), n + 1))
-    rows[numbers, :, place, :n] = columns
-    rows[numbers, :, place, n] = torque
-    whole = rows.mT @ rows
+    ends = np.cumsum(counts)
+    begins = ends - counts
+    parts = [columns] if isinstance(columns, np.ndarray) else columns
+    n = sum(part.shape[-1] for part in parts)
+    whole = np.empty((len(counts), 4, n + 1, n + 1))
+    for start in range(0, len(counts), BLOCKS_AT_ONCE):
+        some = slice(start, start + BLOCKS_AT_ONCE)
+        inside = slice(begins[some][0], ends[some][-1])
+        block = numbers[inside]
+        place = np.arange(inside.start, inside.stop) - begins[block]
+        rows = np.zeros((len(counts[some]), 4, int(counts[some].max()), n + 1))
+        rows[block - start, :, place, :n] = np.concatenate([part[inside] for part in parts], -1)
+        rows[block - start, :, place, n] = torque[inside]
+        whole[some] = rows.mT @ rows
     return NormalBlocks(
         whole[..., :n, :n], whole[..., :n, n], whole[..., n, n], counts.astype(np.float64)
     )

@@ -188,8 +188,7 @@ def _step(
     Variances are those of leaving out blocks of this log, and of the first one.
     """
     n = columns.shape[-1]
-    both = np.concatenate([columns, model.columns], axis=-1)
-    blocks = normal_blocks(both, model.torque, numbers)
+    blocks = normal_blocks([columns, model.columns], model.torque, numbers)
     left = model.torque - model.columns @ first.x
     noise = solve(normal_blocks(columns, left, numbers)).noise
     matrix, right = blocks.weighted(noise**-2)

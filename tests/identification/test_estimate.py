@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.identification.estimate import (
+    BLOCKS_AT_ONCE,
     ITERATIONS,
     block_numbers,
     directions,
@@ -72,6 +74,29 @@ def test_too_few_blocks_are_refused() -> None:
         block_numbers(t, everywhere, 1.1)
     with pytest.raises(ValueError, match=r"^1 block of 4 s is left "):
         block_numbers(t, everywhere, 4.0)
+
+
+def test_normal_equations_of_many_blocks_are_those_of_each_in_little_memory() -> None:
+    rng = np.random.default_rng(2)
+    counts = rng.integers(4, 12, 6 * BLOCKS_AT_ONCE + 3)
+    numbers = np.repeat(np.arange(len(counts)), counts)
+    columns = rng.normal(size=(len(numbers), 4, 6))
+    torque = rng.normal(size=(len(numbers), 4))
+    tracemalloc.start()
+    found = normal_blocks([columns[..., :4], columns[..., 4:]], torque, numbers)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # what is returned, and no padded copy of all rows
+    assert found.matrix.base is not None
+    assert most < found.matrix.base.nbytes + 0.8 * columns.nbytes
+    assert found.samples.tolist() == counts.tolist()
+    for number in range(0, len(counts), 7):
+        x, y = columns[numbers == number], torque[numbers == number]
+        for j in range(4):
+            a = x[:, j]
+            np.testing.assert_allclose(found.matrix[number, j], a.T @ a, atol=1e-12)
+            np.testing.assert_allclose(found.right[number, j], a.T @ y[:, j], atol=1e-12)
+            assert found.square[number, j] == pytest.approx(y[:, j] @ y[:, j])
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfiltfilt
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification import InvalidLog, log_poses, make_log
@@ -17,10 +19,12 @@ from paminsa_viz.identification.filtering import (
     LOWEST_RATE,
     OVERSAMPLING,
     SETTLING,
+    MotionSamples,
     Signals,
     _difference,
     _rates,
     filter_log,
+    smoothed,
     thinning_for,
 )
 from paminsa_viz.model import APPENDIX_4
@@ -73,6 +77,30 @@ def test_cut_offs_are_possible_from_above_nothing_to_a_share_of_the_rate() -> No
     for impossible in (0.0, -1.0, np.nextafter(most, np.inf), np.nan, np.inf):
         with pytest.raises(InvalidInput, match=f"above 0 and at most {most:g} Hz is needed"):
             filtered(impossible)
+
+
+@pytest.mark.parametrize(("rate", "cut_off"), [(125.0, 10.0), (40.0, 10.0)])
+def test_columns_of_long_logs_are_filtered_piece_by_piece_in_little_memory(rate, cut_off) -> None:
+    sizes, settle = [1500, 2500, 1000], round(2 * SETTLING / cut_off * rate)
+    segment = np.repeat([0, 1, 2], sizes)
+    kept = np.concatenate([np.abs(np.arange(n) - n / 2) < n / 2 - settle for n in sizes])
+    motion = np.zeros((len(segment), 4))
+    samples = MotionSamples(segment, kept, *[motion] * 7)
+    values = np.cumsum(np.random.default_rng(1).normal(size=(len(segment), 4, 11)), axis=0)
+    values[:, 1, 5] = 0.0
+    sections: Any = butter(4, cut_off, fs=rate, output="sos")
+    tracemalloc.start()
+    found = smoothed(values, samples, sections)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 3.0 * values.nbytes  # what is returned, and some columns at a time
+    parts = [segment == number for number in range(3)]
+    whole = [
+        sosfiltfilt(sections, values[part], axis=0, padlen=size - 1)  # as long as there is any
+        for part, size in zip(parts, sizes, strict=True)
+    ]
+    expected = np.concatenate(whole)[kept]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(values).max())
 
 
 @pytest.mark.parametrize("thinning", [1, 2])
