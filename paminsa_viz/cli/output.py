@@ -6,7 +6,8 @@ import codecs
 import json
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from paminsa_viz.blocks.kinds import Block, Note, Table
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.design_file import save_design
+from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest
@@ -82,6 +84,24 @@ def save_changed(
 def print_began(what: str) -> None:
     """Say what has begun, in one piece: a stop may print its line at any moment."""
     sys.stderr.write(f"{what} ...\n")
+
+
+@contextmanager
+def status_line(text: str) -> Iterator[Callable[[str], None]]:
+    """Show what is being done, to people: not to files and other programs.
+
+    Args:
+        text: What comes first; the function that this gives shows another one.
+    """
+    from rich.console import Console  # takes a while to load
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda text: None
+        return
+    status = console.status(text)
+    with on_interrupt(status.stop), status:  # or a terminal is left without its cursor
+        yield status.update
 
 
 def _print_step(done: float, /, *, step: str, **_: Any) -> None:

@@ -242,7 +242,8 @@ def _progress_bar(total: int) -> Iterator[Callable[[StudySummary], None]]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+    bar = Progress(*columns, console=console, disable=not console.is_terminal)
+    with on_interrupt(bar.stop), bar:  # or a terminal is left without its cursor
         task = bar.add_task("designs", total=total)
 
         def show(summary: StudySummary) -> None:

@@ -23,14 +23,20 @@ from paminsa_viz.blocks.synthesis import (
 from paminsa_viz.cli.arguments import OrNone, UsageError, Words, check_needs, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
-from paminsa_viz.cli.output import print_blocks, print_json, print_written, write_report
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_json,
+    print_written,
+    status_line,
+    write_report,
+)
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.progress import Progress, go_on
+from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.studies import Workers, cluster, processes
@@ -285,24 +291,16 @@ def _named(result: SynthesisResult) -> Design:
 
 
 @contextmanager
-def _progress_line(
-    case: SynthesisCase,
-) -> Iterator[Progress]:
-    """Show the best so far while the work goes on, to people: not to files and other programs."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
+def _progress_line(case: SynthesisCase) -> Iterator[Progress]:
+    """Show the best so far while the work goes on."""
     objective = find_objective(case.objective)
-    if not console.is_terminal:
-        yield go_on
-        return
-    with console.status("searching") as status:
+    with status_line("searching") as update:
 
         def show(done: float, /, *, state: RegimeState, **_: Any) -> None:
             best = "no robot yet"
             if state.feasible:
                 best = format_ascii(objective.sign * state.cost, objective.unit)
-            status.update(
+            update(
                 f"{state.regime.value}: generation {state.generation}, "
                 f"{counted(state.trials, 'robot')}, {objective.label} {best}"
             )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -30,6 +31,9 @@ COMMANDS = {
     "sweep": "sweep --random 4000 --vary links.b3 --vary joints.j7 --workers 2 --out new.csv",
     "start": "start --no-browser --port 0",
 }
+HIDDEN = b"\x1b[?25l"
+"""What hides the cursor of a terminal."""
+
 STOP_TIMEOUT = 2.0
 """How long a stop may take [s]; measured on a busy machine it is a tenth of that."""
 
@@ -71,6 +75,30 @@ def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> Non
     for name in left:
         assert name.startswith("new."), left
         assert (tmp_path / name).read_bytes().endswith(b"\n")
+
+
+@pytest.mark.parametrize("command", ["synthesize cylinder", COMMANDS["sweep"]])
+def test_a_terminal_has_its_cursor_again(command: str, tmp_path: Path) -> None:
+    terminal, side = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEGIN, *command.split()],
+        cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=side, start_new_session=True,
+        env={**os.environ, "TERM": "xterm"},
+    )  # fmt: skip
+    os.close(side)
+    shown = b""
+    with suppress(OSError):  # the end of a terminal
+        while text := os.read(terminal, 4096):
+            if HIDDEN in text and HIDDEN not in shown:
+                os.killpg(process.pid, signal.SIGINT)
+            shown += text
+    os.close(terminal)
+    assert process.wait() == 130
+    assert shown.count(HIDDEN) == 1
+    _, _, after = shown.partition(HIDDEN)
+    assert b"\x1b[?25h" in after
+    line = after.splitlines()[-1]
+    assert re.sub(rb"\x1b\[[?0-9]+[A-Za-z]", b"", line).startswith(b"paminsa-viz: stopped"), line
 
 
 STOPPED_AT_IMPORT = """
