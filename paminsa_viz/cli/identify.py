@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -18,6 +18,7 @@ from paminsa_viz.cli.output import (
     print_json,
     print_written,
     save_changed,
+    status_line,
 )
 from paminsa_viz.files.atomic import make_folder, write_bytes
 from paminsa_viz.files.example_logs import given_log
@@ -93,20 +94,25 @@ class Identify(JsonFlags, DesignFlags):
         )  # fmt: skip
         if self.start is not None and not all(map(math.isfinite, self.start)):
             raise UsageError(f"--start: four finite numbers are needed, not {self.start}")
-        log = self._read(self.log)
-        other = None if self.validate is None else self._read(self.validate)
-        loaded, mass = None, None
-        if self.payload is not None:
-            name, mass = self.payload
-            if not (math.isfinite(mass) and mass >= 0):
-                raise UsageError(f"--payload: a mass of 0 kg or more is needed, not {mass!r}")
-            loaded = self._read(name)
-        if self.out is not None:  # before the work, so that a wrong place is known at once
-            make_folder(self.out)
-        found = investigate(
-            log, design, settings, other=other, loaded=loaded, payload=mass or None,
-            start=self.start and pose_si(self.start),
-        )  # fmt: skip
+        with status_line("reading") as update:
+            log = self._read(self.log)
+            other = None if self.validate is None else self._read(self.validate)
+            loaded, mass = None, None
+            if self.payload is not None:
+                name, mass = self.payload
+                if not (math.isfinite(mass) and mass >= 0):
+                    raise UsageError(f"--payload: a mass of 0 kg or more is needed, not {mass!r}")
+                loaded = self._read(name)
+            if self.out is not None:  # before the work, so that a wrong place is known at once
+                make_folder(self.out)
+
+            def show(done: float, /, *, step: str, **_: Any) -> None:
+                update(f"identification: {step}")
+
+            found = investigate(
+                log, design, settings, other=other, loaded=loaded, payload=mass or None,
+                start=self.start and pose_si(self.start), progress=show,
+            )  # fmt: skip
         written = [] if self.out is None else self._write(self.out, found)
         if self.json:
             print_json(identification_data(found, written))

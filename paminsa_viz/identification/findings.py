@@ -79,7 +79,7 @@ def investigate(
         loaded: A log with a payload on the platform.
         payload: That payload, if it was weighed [kg].
         start: Pose (4,) near the start of all logs, to choose the assembly.
-        progress: Called before each of `STEPS`; true ends the work.
+        progress: Called before each of `STEPS` with that ``step``; true ends the work.
 
     Raises:
         InvalidLog: At the first row of a log that cannot be used, if no design could have its
@@ -92,7 +92,7 @@ def investigate(
         raise InvalidLog(problem, log=other.name)
 
     def done(step: str) -> None:
-        keep_on(progress, STEPS.index(step) / len(STEPS))
+        keep_on(progress, STEPS.index(step) / len(STEPS), step=step)
 
     done("fit")
     found = identify(design, log, settings, start=start)

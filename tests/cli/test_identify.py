@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import io
+from contextlib import redirect_stderr
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
 
+from paminsa_viz.cli import identify, main
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.files.logs import log_table
 from paminsa_viz.files.tables import table_csv
-from paminsa_viz.identification import MultiSine, make_log
+from paminsa_viz.identification import InvalidLog, MultiSine, make_log
+from paminsa_viz.identification.findings import STEPS
 from paminsa_viz.model import (
     APPENDIX_4,
     inverse_dynamics,
     inverse_kinematics,
     static_imbalance,
 )
+from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import Plan, preset_center
 from tests.support.commands import check_refused, run, run_json
 
@@ -61,6 +67,27 @@ def test_example_log_tells_the_robot_that_made_it(capsys) -> None:
     assert found_design.name == "identified"
     written = static_imbalance(found_design)
     assert abs(written - weight["value"]) < weight["half_width_95"]
+
+
+class Terminal(io.StringIO):
+    """An error stream that a person reads."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_terminal_shows_what_is_worked_out(monkeypatch) -> None:
+    def investigated(*_: object, progress: Progress, **__: object) -> NoReturn:
+        progress(0.4, step=STEPS[2])
+        raise InvalidLog("no more in this test")
+
+    monkeypatch.setattr(identify, "investigate", investigated)
+    terminal = Terminal()
+    with redirect_stderr(terminal):
+        assert main(["identify", "example"]) == 2
+    shown = terminal.getvalue()
+    assert shown.index("reading") < shown.index("identification: causes")
+    assert shown.endswith("no more in this test\n")
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from paminsa_viz.identification import (
     validate,
     weigh_payload,
 )
-from paminsa_viz.identification.findings import investigate
+from paminsa_viz.identification.findings import STEPS, investigate
 from paminsa_viz.model import APPENDIX_4, Payload, backend
 from paminsa_viz.progress import Canceled
 from tests.support.identification_logs import multi_sine, simulated
@@ -32,12 +32,12 @@ LOADED = simulated(2, replace(APPENDIX_4, payload=Payload(2.0, 0.01)), rate=200.
 @pytest.mark.slow
 def test_each_part_is_that_of_its_own_function_and_is_there_if_its_log_is() -> None:
     backend.compile_now()  # or kernels could take over in between, with other rounding
-    shares: list[float] = []
+    shares: list[tuple[str, float]] = []
     found = investigate(
         LOG, APPENDIX_4, QUICK, other=OTHER, loaded=LOADED, payload=2.0,
-        progress=lambda share: bool(shares.append(share)),
+        progress=lambda share, step: bool(shares.append((step, share))),
     )  # fmt: skip
-    assert shares == pytest.approx([0.0, 0.2, 0.4, 0.6, 0.8])
+    assert dict(shares) == pytest.approx(dict(zip(STEPS, (0.0, 0.2, 0.4, 0.6, 0.8), strict=True)))
     own = identify(APPENDIX_4, LOG, QUICK)
     assert found.identification.estimates == own.estimates
     assert found.nearest.masses == nearest_masses(own).masses
@@ -53,7 +53,7 @@ def test_each_part_is_that_of_its_own_function_and_is_there_if_its_log_is() -> N
 def test_the_work_can_be_canceled_before_each_step(step: int) -> None:
     seen: list[Any] = []
 
-    def stop(share: float) -> bool:
+    def stop(share: float, **_: str) -> bool:
         seen.append(share)
         return len(seen) == step
 
