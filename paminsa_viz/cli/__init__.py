@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from io import TextIOWrapper
 from types import ModuleType
@@ -81,18 +82,43 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _exit_code(words: list[str]) -> int:
     try:
-        return _run(words)
+        try:
+            code = _run(words)
+        finally:  # after --help as well, which ends the program
+            _flush_output()
     except KeyboardInterrupt:
-        return interrupts.EXIT_CODE
+        code = interrupts.EXIT_CODE
     except BrokenPipeError:
-        # Whoever read the output has gone (`| head`). Python would report it once more at its exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        code = 1  # whoever read the output has gone (`| head`)
     except (PaminsaError, OSError) as error:
         from paminsa_viz.cli.output import print_error
 
-        print_error(error)
-        return 2
+        with suppress(OSError):  # the error stream may be lost, too
+            print_error(error)
+        code = 2
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:  # Python would report it once more at its exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    return code
+
+
+def _flush_output() -> None:
+    """Write what is still to be printed.
+
+    Raises:
+        BrokenPipeError: If nobody reads it.
+        FileError: If it cannot be written: it may go to a disk that is full.
+    """
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        from paminsa_viz.files.atomic import as_file_error
+
+        raise as_file_error("the output", error, "written") from error
 
 
 def _run(words: list[str]) -> int:
@@ -116,6 +142,4 @@ def _run(words: list[str]) -> int:
         warnings.simplefilter("ignore", RuntimeWarning)
         module = command_module(name)
         program = COMMAND if name == "start" else f"{COMMAND} {name}"
-        code = parse(module.FLAGS, words, program, module.DESCRIPTION).run()
-    sys.stdout.flush()
-    return code
+        return parse(module.FLAGS, words, program, module.DESCRIPTION).run()

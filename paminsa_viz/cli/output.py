@@ -7,7 +7,7 @@ import json
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,7 +83,8 @@ def save_changed(
 
 def print_began(what: str) -> None:
     """Say what has begun, in one piece: a stop may print its line at any moment."""
-    sys.stderr.write(f"{what} ...\n")
+    with suppress(OSError):  # work goes on though nobody reads how far it is
+        sys.stderr.write(f"{what} ...\n")
 
 
 @contextmanager

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -86,3 +87,42 @@ def test_no_output_to_print_on_is_no_fault(closed: str, tmp_path: Path) -> None:
         assert done.returncode == 0, (words, done.stderr)
         assert "Error" not in done.stderr
     assert (tmp_path / "e.csv").read_text().endswith("\n")
+
+
+def run_into(output: int, errors: int, words: str, folder: Path) -> tuple[int, str]:
+    """Run a command with these streams; return its exit code, and what it says on a pipe."""
+    # as a person's shell has it, where what is printed waits for the end
+    environment = {name: of for name, of in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    done = subprocess.run(
+        [sys.executable, "-m", "paminsa_viz", *words.split()],
+        stdout=output, stderr=errors, text=True, cwd=folder, env=environment,
+    )  # fmt: skip
+    return done.returncode, done.stderr or ""
+
+
+@pytest.fixture
+def gone() -> Iterator[int]:
+    """A pipe whose reader has gone."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    yield writing
+    os.close(writing)
+
+
+@pytest.mark.parametrize("words", ["--version", "design --help", "design default", "map --json"])
+def test_a_reader_that_has_gone_and_a_full_disk_end_a_command_in_one_way(
+    gone: int, words: str, tmp_path: Path
+) -> None:
+    """Python itself would report either once more at its exit, and end with 120."""
+    assert run_into(gone, subprocess.PIPE, words, tmp_path) == (1, "")
+    if Path("/dev/full").exists():
+        with open("/dev/full", "w") as full:
+            said = "paminsa-viz: the output: cannot be written: no space left on device\n"
+            assert run_into(full.fileno(), subprocess.PIPE, words, tmp_path) == (2, said)
+
+
+def test_work_goes_on_though_nobody_reads_how_far_it_is(gone: int, tmp_path: Path) -> None:
+    words = "excite --evaluations 1 --seconds 0.5 --out e.csv"
+    assert run_into(subprocess.DEVNULL, gone, words, tmp_path) == (0, "")
+    assert (tmp_path / "e.csv").read_text().endswith("\n")
+    assert run_into(subprocess.DEVNULL, gone, "evaluate nothing.csv", tmp_path) == (2, "")
