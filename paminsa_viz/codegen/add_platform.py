@@ -17,11 +17,13 @@ import sys
 import tempfile
 import zipfile
 
-ENDINGS = {"linux": ".so", "win": ".dll", "darwin": ".dylib"}
+ENDINGS = {
+    "linux64": ".so", "linux32": ".so", "win64": ".dll", "win32": ".dll", "darwin64": ".dylib",
+}  # fmt: skip
 
 
 class NotBuilt(Exception):
-    """A binary could not be made; the text says why."""
+    """A binary could not be made, or there is no FMU to put it into; the text says why."""
 
 
 def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
@@ -33,17 +35,29 @@ def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
         compiler: The C compiler, with options of its own if need be.
 
     Raises:
-        NotBuilt: If there is no such platform or compiler, or it fails.
+        NotBuilt: If it is no FMU with sources, or if there is no such platform or compiler, or the
+            compiler fails.
     """
-    ending = ENDINGS.get(platform.rstrip("0123456789"))
+    ending = ENDINGS.get(platform)
     if ending is None:
-        raise NotBuilt(f"{platform}: platforms are linux64, linux32, win64, win32, darwin64")
-    with zipfile.ZipFile(io.BytesIO(fmu)) as archive:
-        inside = {name: archive.read(name) for name in archive.namelist()}
+        raise NotBuilt(f"there is no platform {platform!r}; there are {', '.join(ENDINGS)}")
+    try:
+        with zipfile.ZipFile(io.BytesIO(fmu)) as archive:
+            inside = {name: archive.read(name) for name in archive.namelist()}
+    except zipfile.BadZipFile as error:
+        raise NotBuilt(f"it is no FMU, which is a zip file ({error})") from None
     sources = {os.path.basename(n): text for n, text in inside.items() if n.startswith("sources/")}
-    model = next(name for name in sources if name.endswith(".c"))
+    model = next((name for name in sources if name.endswith(".c")), None)
+    if model is None:
+        raise NotBuilt("it has no C sources in its folder sources/")
     binary = model[:-2] + ending
-    command = [*shlex.split(compiler), "-std=c99", "-O2", "-ffp-contract=off", "-shared"]
+    try:
+        command = shlex.split(compiler)
+    except ValueError as error:
+        raise NotBuilt(f"compiler {compiler!r}: {error}") from None
+    if not command:
+        raise NotBuilt("a compiler has to be named")
+    command += ["-std=c99", "-O2", "-ffp-contract=off", "-shared"]
     command += [] if platform.startswith("win") else ["-fPIC", "-fvisibility=hidden"]
     command += [model, "-o", binary, "-lm"]
     with tempfile.TemporaryDirectory() as folder:
@@ -57,6 +71,8 @@ def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
         if done.returncode:
             said = " ".join(done.stderr.split())[:500] or f"exit code {done.returncode}"
             raise NotBuilt(f"{compiler} failed: {said}")
+        if not os.path.exists(os.path.join(folder, binary)):
+            raise NotBuilt(f"{compiler} made no {binary}")
         with open(os.path.join(folder, binary), "rb") as file:
             inside[f"binaries/{platform}/{binary}"] = file.read()
     stream = io.BytesIO()
@@ -80,8 +96,8 @@ def main(words: list[str]) -> int:
         with open(path + ".new", "wb") as file:
             file.write(made)
         os.replace(path + ".new", path)
-    except (NotBuilt, OSError, zipfile.BadZipFile) as error:
-        print(error, file=sys.stderr)
+    except (NotBuilt, OSError) as error:
+        print(f"{path}: {getattr(error, 'strerror', None) or error}", file=sys.stderr)
         return 1
     print(f"{path}: has a binary for {platform}")
     return 0

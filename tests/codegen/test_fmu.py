@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from paminsa_viz.codegen import add_platform
 from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
 from paminsa_viz.codegen.fmu import (
     FmuKind,
@@ -380,6 +381,28 @@ def test_the_script_adds_another_platform(tmp_path: Path) -> None:
     assert "binaries/linux32/paminsa_inverse.so" in inside
     with zipfile.ZipFile(io.BytesIO(before)) as archive:
         assert set(archive.namelist()) < set(inside)
+
+
+def test_the_script_names_the_file_and_what_is_wrong_with_it_or_the_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "text.fmu").write_text("no zip file")
+    for name, inside in (("empty.fmu", "a.txt"), ("small.fmu", "sources/small.c")):
+        with zipfile.ZipFile(tmp_path / name, "w") as archive:
+            archive.writestr(inside, "")
+    for name, platform, compiler, said in (
+        ("no.fmu", "linux64", "cc", "No such file"),
+        ("text.fmu", "linux64", "cc", "it is no FMU, which is a zip file"),
+        ("empty.fmu", "linux64", "cc", "no C sources"),
+        ("small.fmu", "linux", "cc", "there is no platform 'linux'; there are linux64, linux32"),
+        ("small.fmu", "linux64", " ", "a compiler has to be named"),
+        ("small.fmu", "linux64", '"cc', "No closing quotation"),
+        ("small.fmu", "linux64", f"{sys.executable} -c pass", "made no small.so"),
+    ):
+        path = str(tmp_path / name)
+        assert add_platform.main([path, platform, compiler]) == 1
+        err = capsys.readouterr().err
+        assert (err.startswith(f"{path}: "), said in err, err.count("\n")) == (True, True, 1), err
 
 
 COMPILER = """
