@@ -68,11 +68,11 @@ def require_each(values: Iterable[Any], argument: str, *kinds: type) -> None:
             raise InvalidInput(argument, f"each has to be a {allowed}, not {kind_of(value)}")
 
 
-def require_count(value: Any, argument: str, most: int) -> None:
-    """Raise `InvalidInput` unless a value is a whole number from 1 to the most."""
+def require_count(value: Any, argument: str, most: int, least: int = 1) -> None:
+    """Raise `InvalidInput` unless a value is a whole number from the least to the most."""
     whole = _is_number(value) and isinstance(value, int | np.integer)
-    if not (whole and 1 <= value <= most):
-        raise InvalidInput(argument, f"1 to {most} are possible, not {value!r}")
+    if not (whole and least <= value <= most):
+        raise InvalidInput(argument, f"{least} to {most} are possible, not {value!r}")
 
 
 def require_positive(

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import kinds_checked
+from paminsa_viz.checks import kinds_checked, require_at_least
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_numbers, as_pose
@@ -43,10 +43,16 @@ class InlinePage:
     Attributes:
         content: The page, HTML in UTF-8.
         height: Of the frame [pixels]; it is as wide as the notebook.
+
+    Raises:
+        InvalidInput: If the height is less than 1.
     """
 
     content: bytes = field(repr=False)
     height: int = 480
+
+    def __post_init__(self) -> None:
+        require_at_least(self.height, "height", 1, "a whole number of pixels, at least 1,")
 
     def _repr_html_(self) -> str:
         # No access to the notebook it is in: the page runs its own scripts and nothing else.
@@ -98,9 +104,10 @@ def robot_view(
     Args:
         design: The robot; that of Appendix 4 if left out.
         pose: (4,) [m, m, rad, m]; in the middle of the workspace if left out.
-        height: Of the frame [pixels].
+        height: Of the frame [pixels], at least 1.
 
     Raises:
+        InvalidInput: If the height is less.
         UnreachablePose: If the robot cannot take the pose.
     """
     from paminsa_viz.explorer.scene.html_pages import robot_html  # late: the page's libraries
@@ -121,9 +128,10 @@ def motion_view(
     Args:
         trajectory: The motion; one that fails is played up to there.
         design: The robot; that of Appendix 4 if left out.
-        height: Of the frame [pixels].
+        height: Of the frame [pixels], at least 1.
 
     Raises:
+        InvalidInput: If the height is less.
         ImpossibleTrajectory: If the motion fails at its very start.
     """
     from paminsa_viz.explorer.scene.html_pages import motion_html  # late: the page's libraries
@@ -152,7 +160,7 @@ def map_view(
         quantity: ``"torques"`` for those of M1, M2 and M3, or a key of
             `paminsa_viz.quantities.QUANTITIES`; with hyphens too, as on the command line.
         theta, z, at: Angle [rad], height [m] and position (x, y) [m] in place of the pose's.
-        cells: Cells along each side, at least 2.
+        cells: Cells along each side, 2 to 2000.
         width: Of the figure [pixels], at least 200.
 
     Raises:

@@ -45,6 +45,15 @@ def test_robot_view_is_the_exported_page_of_the_pose() -> None:
     assert len(robot_html(APPENDIX_4, POSE)) == pytest.approx(len(page), rel=0.01)
 
 
+def test_a_frame_without_height_is_refused(motion) -> None:
+    needed = "height: a whole number of pixels, at least 1, is needed, not"
+    for height in (0, -5):
+        with pytest.raises(InvalidInput, match=f"{needed} {height}"):
+            robot_view(height=height)
+        with pytest.raises(InvalidInput, match=f"{needed} {height}"):
+            motion_view(motion, height=height)
+
+
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_default_pose_is_reachable(knee) -> None:
     design = APPENDIX_4.with_knee(knee)
@@ -81,6 +90,7 @@ def test_maps_show_the_static_torques() -> None:
     assert words == map_view(APPENDIX_4, POSE, quantity="max_torque", cells=20)
     for wrong, argument in (
         ({"theta": float("nan")}, "pose"), ({"at": (0.0, 0.0, 0.4)}, "at"), ({"cells": 1}, "cells"),
+        ({"cells": 10**6}, "cells"),
         ({"cells": 20, "width": 100}, "width"), ({"at": (0.1, "0.2")}, "at"),
         ({"at": ((0.0, 0.1), (0.2, 0.3))}, "at"), ({"pose": [POSE, POSE]}, "pose"),
     ):  # fmt: skip

@@ -31,6 +31,7 @@ from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.map_values import (
     COARSE,
     FULL,
+    MOST_CELLS,
     MapData,
     difference,
     frame_half,
@@ -58,7 +59,7 @@ every cell.
 Exit code: 0 done; 1 no position can be reached there; 2 a wrong argument or file."""
 
 
-CELLS = (10, 2000)
+CELLS = (10, MOST_CELLS)
 """Possible numbers of cells along a side."""
 
 BUDGET = 30.0

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.checks import kinds_checked, require_at_least
+from paminsa_viz.checks import kinds_checked, require_count
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_geometry
@@ -81,6 +81,8 @@ COARSE = 72
 that it stays when the fine map follows."""
 FULL = 200
 """Cells along each side when idle, and in files."""
+MOST_CELLS = 2000
+"""Most cells along each side: with more a map does not fit into the memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,13 +313,13 @@ def workspace_field(
         geometry: What to solve.
         theta: Angle of the platform [rad].
         z: Its height [m].
-        cells: Cells along each side, at least 2.
+        cells: Cells along each side, 2 to `MOST_CELLS`.
         half: Half the side [m], or None for `half_width` of the geometry.
 
     Raises:
-        InvalidInput: If there are fewer cells, or a number is not finite.
+        InvalidInput: If there are fewer or more cells, or a number is not finite.
     """
-    require_at_least(cells, "cells", 2, "a whole number of at least 2")
+    require_count(cells, "cells", MOST_CELLS, 2)
     centers = cell_centers(half_width(geometry) if half is None else half, cells)
     return solve_field(geometry, xy_grid(centers, centers, theta, z))
 
