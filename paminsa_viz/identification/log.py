@@ -130,8 +130,10 @@ def make_log(
     """
     t = as_numbers(t, "t")
     position, torque = as_vectors(position, "position"), as_vectors(torque, "torque")
+    if t.ndim != 1:
+        raise InvalidInput("t", f"one axis of times is needed; the shape is {t.shape}")
     for label, values in (("position", position), ("torque", torque)):
-        if t.ndim != 1 or values.shape != (t.size, 4):
+        if values.shape != (t.size, 4):
             raise InvalidInput(label, f"shape {values.shape} where {(t.size, 4)} is needed")
     if t.size < 10:
         raise InvalidLog(f"a log needs at least 10 rows; there are {t.size}")

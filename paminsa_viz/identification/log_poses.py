@@ -7,10 +7,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.model import backend
 from paminsa_viz.model.arguments import of_geometry
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_pose
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import forward_kinematics, wrap
 from paminsa_viz.model.leg import mechanism
@@ -65,8 +66,11 @@ def log_poses(
     Raises:
         InvalidLog: At the first row out of reach or with a condition number above
             `MOST_CONDITION`, unless the log is to be split there; and if nothing is left.
+        InvalidInput: If the start is not one pose of finite numbers.
     """
-    begin = as_vectors(home_pose(geometry) if start is None else start, "start")
+    begin = as_pose(home_pose(geometry) if start is None else start, "start")
+    if not np.isfinite(begin).all():
+        raise InvalidInput("start", f"four finite numbers are needed, not {start}")
     pose = np.concatenate(
         [follow_pose(geometry, log.position[part], begin) for part in log.segments]
     )

@@ -43,7 +43,7 @@ def as_pose(values: ArrayLike, argument: str = "pose") -> Array:
 
 
 def as_numbers(values: ArrayLike, argument: str) -> Array:
-    """Return ``values`` as float64 of any shape.
+    """Return ``values`` as float64 of any shape; what a masked array hides is NaN.
 
     Raises:
         InvalidInput: If the values are no real numbers.
@@ -55,7 +55,10 @@ def as_numbers(values: ArrayLike, argument: str) -> Array:
     if array.dtype.kind not in "buif":
         came = _of_objects(array) if array.dtype.kind == "O" else array.dtype.name
         raise InvalidInput(argument, f"real numbers are needed, not {came}")
-    return array.astype(np.float64, copy=False)
+    numbers = array.astype(np.float64, copy=False)
+    if isinstance(values, np.ma.MaskedArray):  # or what lies below the mask would count
+        return np.where(np.ma.getmaskarray(values), np.nan, numbers)
+    return numbers
 
 
 def _of_objects(array: NDArray[np.object_]) -> str:

@@ -73,8 +73,18 @@ def test_a_log_lasts_as_long_as_its_samples_and_needs_four_columns(signals: list
     assert make_log(t, position, torque).duration == pytest.approx(len(t) / RATE)
     with pytest.raises(InvalidInput, match=r"position: shape \(799, 4\) where \(800, 4\) is"):
         make_log(t, position[1:], torque)
+    with pytest.raises(InvalidInput, match=r"t: one axis of times .* is \(800, 1\)"):
+        make_log(t[:, None], position, torque)
     with pytest.raises(InvalidInput, match=r"torque: shape \(799, 4\) where"):
         make_log(t, position, torque[1:])
+
+
+def test_a_start_is_one_pose_of_finite_numbers(signals: list[Any]) -> None:
+    log = make_log(*signals)
+    pose = [0.0, 0.0, 0.0, -0.5]
+    for start in ([np.nan, *pose[1:]], [*pose[:3], np.inf], [pose, pose]):
+        with pytest.raises(InvalidInput, match=r"start: .* needed"):
+            log_poses(APPENDIX_4.geometry, log, start)
 
 
 @pytest.mark.parametrize("turn", [1.0, -1.0])

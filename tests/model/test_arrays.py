@@ -43,6 +43,17 @@ def test_what_is_no_real_number_is_refused(values: Any) -> None:
         assert isinstance(caught.value, PaminsaError)
 
 
+def test_what_a_masked_array_hides_is_no_number() -> None:
+    """Below the mask stands what a missing value was read as."""
+    for hidden in (
+        np.ma.masked_equal([1, -999, 3, 4], -999),
+        np.ma.masked_less([1.0, -9, 3, 4], 0),
+    ):
+        for check in (as_vectors, as_numbers):
+            np.testing.assert_array_equal(check(hidden, "pose"), [1.0, np.nan, 3.0, 4.0])
+    assert as_numbers(np.ma.arange(3.0), "t").tolist() == [0.0, 1.0, 2.0]
+
+
 def test_rows_of_different_lengths_are_refused() -> None:
     for check in (as_vectors, as_numbers):
         with pytest.raises(InvalidInput, match="pose: the rows have different lengths"):
