@@ -149,6 +149,9 @@ def match_columns(
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
         problem = "columns are separated by commas (and decimals written with a point)"
         raise refused(problem, header[0])
+    if not any(header):
+        needed = ",".join(kind.needed)
+        raise refused(f"the row is empty, but has to name the columns: {needed}")
     found: dict[str, Column] = {}
     for place, text in enumerate(header):
         if not text:

@@ -30,10 +30,13 @@ MOST_BLANK_ROWS = 20_000
 LONGEST_ROW = 100_000
 """Longest line [characters]; a file without line ends must not fill the memory."""
 
-_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-"""What a file of that encoding begins with."""
+_UTF_16 = "is UTF-16; save it as CSV in UTF-8"
 
-_IS_UTF_16 = "is UTF-16; save it as CSV in UTF-8"
+_OTHER_FILES = {
+    b"\xff\xfe": _UTF_16, b"\xfe\xff": _UTF_16,
+    b"PK\x03\x04": "is a zip file, as workbooks (.xlsx) and .npz are; save it as CSV in UTF-8",
+}  # fmt: skip
+"""What files begin with that are no text, and what they are."""
 
 MISSING = "the value is missing"
 
@@ -226,13 +229,13 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
     try:
         # Opened once: what is read of a pipe is gone.
         file = open(path, "rb")  # noqa: SIM115  the caller closes it
-        mark = file.peek(2)[:2]
+        begin = file.peek(4)[:4]
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
     lines = io.TextIOWrapper(file, encoding="utf-8-sig", errors="surrogateescape", newline="")
-    if mark in _UTF_16:
+    if kind := _other_file(begin):
         lines.close()
-        raise TableFileError(os.fspath(path), _IS_UTF_16)
+        raise TableFileError(os.fspath(path), kind)
     return lines
 
 
@@ -250,9 +253,13 @@ def uploaded_table(name: str, content: bytes) -> TextIO:
     Raises:
         TableFileError: If it is no such text.
     """
-    if content[:2] in _UTF_16:
-        raise TableFileError(name, _IS_UTF_16)
+    if kind := _other_file(content):
+        raise TableFileError(name, kind)
     return io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
+
+
+def _other_file(begin: bytes) -> str:
+    return next((kind for mark, kind in _OTHER_FILES.items() if begin.startswith(mark)), "")
 
 
 def _is_blank(record: list[str]) -> bool:
@@ -278,5 +285,7 @@ def _cell_problem(cell: str) -> str:
         return MISSING
     number = read_number(cell)
     if number is None:
-        return f"{shown(cell)} is not a number"
+        comma = read_number(cell.replace(",", ".")) is not None
+        point = "; decimals are written with a point" if comma else ""
+        return f"{shown(cell)} is not a number{point}"
     return "" if np.isfinite(number) else f"{shown(cell)} is not a finite number"

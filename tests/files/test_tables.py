@@ -184,6 +184,14 @@ def test_a_header_alone_has_no_rows() -> None:
     ("data", "row", "words"),
     [
         (b"\xff\xfex\0", None, "is UTF-16"),
+        (b"PK\x03\x04\x14\0", None, "is a zip file"),
+        (b"\n" + HEAD.encode(), 1, "the row is empty, but has to name the columns: x_m,y_m,"),
+        (
+            HEAD.encode() + b'\n0,0,"0,5",0\n',
+            2,
+            "is not a number; decimals are written with a point",
+        ),
+        (HEAD.encode() + b'\n0,0,"1,0,5",0\n', 2, "'1,0,5' is not a number$"),
         (HEAD.encode() + b"\n0,0,\x80,0\n", 2, "is not a number"),
         (b"\x80x_m,y_m,theta_rad,z_m", 1, "did you mean x_m"),
         (b"\x7fELF\0\0", 1, "there is no such column"),
@@ -266,6 +274,7 @@ def test_an_uploaded_table_is_read_as_a_file_is(tmp_path) -> None:
     with open_table(path) as lines:
         assert lines.read() == uploaded_table("in.csv", content).read()
     check_refused(uploaded_table, "in.csv", b"\xff\xfea").problem.index("is UTF-16")
+    check_refused(uploaded_table, "in.csv", b"PK\x03\x04").problem.index("is a zip file")
 
 
 def test_a_table_may_take_only_so_long_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
