@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.log import InvalidLog
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.units import counted
@@ -84,13 +85,17 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
 
     Raises:
         InvalidLog: If there are fewer than `FEWEST_BLOCKS`.
+        InvalidInput: If a block is shorter than the time between samples.
     """
     found = np.empty(len(t), np.int64)
     following = 0
     for number in np.unique(segment):
         part = segment == number
         times = t[part] - t[part][0]
-        step = times[1] if len(times) > 1 else length
+        step = float(times[1]) if len(times) > 1 else length
+        if length < 0.999 * step:  # and not by rounding
+            problem = f"at least {step:g} s, the time between filtered samples, is needed"
+            raise InvalidInput("block", f"{problem}, not {length!r}; or a higher cut-off")
         count = max(1, int((times[-1] + step) / length + 1e-6))
         found[part] = following + np.minimum((times / length + 1e-9).astype(np.int64), count - 1)
         following += count

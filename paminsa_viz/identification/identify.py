@@ -97,7 +97,8 @@ def identify(
     Raises:
         InvalidLog: At the first row that cannot be used, or if the log is too short, the robot
             does not move, or a torque never changes.
-        InvalidInput: If the cut-off does not suit the sampling rate, or there is no gravity.
+        InvalidInput: If the cut-off or the block does not suit the sampling rate, or there is no
+            gravity.
     """
     settings = IdentificationSettings() if settings is None else settings
     if not design.gravity > 0:

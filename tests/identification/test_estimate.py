@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.estimate import (
     BLOCKS_AT_ONCE,
     ITERATIONS,
@@ -97,6 +98,13 @@ def test_normal_equations_of_many_blocks_are_those_of_each_in_little_memory() ->
             np.testing.assert_allclose(found.matrix[number, j], a.T @ a, atol=1e-12)
             np.testing.assert_allclose(found.right[number, j], a.T @ y[:, j], atol=1e-12)
             assert found.square[number, j] == pytest.approx(y[:, j] @ y[:, j])
+
+
+def test_no_block_is_shorter_than_a_sample() -> None:
+    t, segment = 5.0 + STEP * np.arange(400), np.repeat([0, 1], 200)
+    assert block_numbers(t, segment, STEP).tolist() == list(range(400))
+    with pytest.raises(InvalidInput, match=r"block: at least 0\.01 s, .* not 0\.009;"):
+        block_numbers(t, segment, 0.009)
 
 
 @pytest.mark.parametrize("seed", range(3))
