@@ -1,7 +1,7 @@
 """The equations of motion as the solver takes them: compiled where the model is, else in Python.
 
-The first compilation takes some fifteen seconds, loading it from disk one or two; Python is a
-hundred times slower.
+The first compilation takes some five seconds, loading it from disk less than one; Python is fifty
+times slower.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def equations(
         true, believed = _packed(true), _packed(believed)
 
     def at(t: float, state: Array, commanded: Array) -> Array:
-        # also LinAlgError, of numbers that are not finite where the bars cannot close
+        # in Python of numbers that are not finite, where the bars cannot close
         with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
             return growth(t, state, true, believed, *wanted, commanded)
         return np.full(state.size, np.nan)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 from dataclasses import replace
 from typing import Any
 
@@ -111,3 +113,15 @@ def test_a_state_that_bars_cannot_close_has_no_derivative() -> None:
     lost = np.concatenate([[0.0, 0.0, 0.0, -5.0], np.zeros(6)])
     assert np.isnan(derivative(0.1, lost)[4:8]).all()
     assert torques(np.zeros(0), np.zeros((0, 10))).shape == (0, 4)
+
+
+@pytest.mark.parametrize("module", [plant], ids=["plant"])
+def test_compiled_formulas_work_entry_by_entry(module: Any) -> None:
+    """Products of matrices, solvers and assignments of slices take Numba seconds each."""
+    for node in ast.walk(ast.parse(inspect.getsource(module))):
+        assert not isinstance(node, ast.MatMult)
+        assert not (isinstance(node, ast.Attribute) and node.attr == "linalg")
+        if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store):
+            assert not any(isinstance(part, ast.Slice) for part in ast.walk(node.slice)), (
+                node.lineno
+            )
