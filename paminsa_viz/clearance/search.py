@@ -167,7 +167,8 @@ def body_distance(
             distance = max(distance, bound)
             if distance < least:
                 least = distance
-                points[:] = best[1:]
+                for row in range(6):
+                    points[row] = best[1 + row]
     return least
 
 
@@ -198,13 +199,15 @@ def least_distances(
     for n in range(position.shape[0]):
         for k in range(slots):
             distance[n, k], nearest[n, k] = np.nan, -1
-            points[n, k, :] = np.nan
+            for row in range(6):
+                points[n, k, row] = np.nan
         if not place_frames(position[n], quaternion[n], frames):
             continue
         for i in range(bodies):
             place_rod(s.body_rod, i, frames[s.frame[i]], body_rods)
             place_box(s.body_center, s.body_half, i, frames[s.frame[i]], upright)
-            body_boxes[:, i] = upright[i]
+            for row in range(6):
+                body_boxes[row, i] = upright[i, row]
             placed[i] = placed[i] and s.frame[i] == still
         box_gaps(body_boxes, gaps)
         for k in range(slots):
@@ -231,7 +234,8 @@ def least_distances(
             gap = body_distance(s, i, j, least, world, rods, boxes, work, best, found)
             if gap < least:
                 distance[n, k], nearest[n, k] = gap, pair
-                points[n, k, :] = found
+                for row in range(6):
+                    points[n, k, row] = found[row]
         for k in range(slots):
             before[k] = nearest[n, k]
             if nearest[n, k] < 0:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.clearance import search
 from paminsa_viz.model import (
     APPENDIX_4,
     actuator_velocity,
@@ -115,7 +116,7 @@ def test_a_state_that_bars_cannot_close_has_no_derivative() -> None:
     assert torques(np.zeros(0), np.zeros((0, 10))).shape == (0, 4)
 
 
-@pytest.mark.parametrize("module", [plant], ids=["plant"])
+@pytest.mark.parametrize("module", [plant, search], ids=["plant", "clearance"])
 def test_compiled_formulas_work_entry_by_entry(module: Any) -> None:
     """Products of matrices, solvers and assignments of slices take Numba seconds each."""
     for node in ast.walk(ast.parse(inspect.getsource(module))):
