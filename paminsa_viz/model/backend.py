@@ -1,9 +1,9 @@
 """Runs the formulas: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
 
-The first compilation takes seconds, and loading it from disk most of one later. So kernels are
-loaded, and a formula compiled, only once enough work has been requested to pay for it; small jobs
-never wait. A page calls `compile_in_background` and works on NumPy until the kernels are there.
-Where Numba is not installed all runs on NumPy.
+The first compilation takes seconds, and loading it from disk most of one later. So the kernels of
+motions, and those of a formula, are loaded only once enough of their work has been requested to pay
+for it; small jobs never wait. A page calls `compile_in_background` and works on NumPy until the
+kernels are there. Where Numba is not installed all runs on NumPy.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _REGRESSOR_WORTH = 20
 
 
 class _Kernels:
-    """The compiled kernels, loaded and extended by further formulas once that pays."""
+    """The compiled kernels: those of motions, and of each formula, loaded once that pays."""
 
     def __init__(self) -> None:
         self.module: ModuleType | None = None
@@ -61,42 +61,51 @@ class _Kernels:
         self.requested: dict[Formula | None, int] = {}
         self.lock = threading.Lock()
 
-    def get(self, size: int, formula: Formula | None = None) -> ModuleType | None:
-        """Return the kernels if it pays to use them for ``size`` more poses of some work."""
+    def pays(self, size: int, formula: Formula | None = None) -> bool:
+        """Whether to load the kernels of motions, or of a formula, for ``size`` more poses."""
         work = self.requested.get(formula, 0) + max(size, LEAST_WORK)
         self.requested[formula] = work
-        if not self.deferred and self.module is None:
-            if sum(self.requested.values()) < self.worth:
-                return None
+        return not self.deferred and work >= self.worth
+
+    def get(self, size: int) -> ModuleType | None:
+        """Return the kernels of motions if it pays to use them for ``size`` more poses."""
+        if self.pays(size) and self.module is None:
             self.load()
         return self.module
 
     def get_loops(self, formula: Formula, size: int) -> Loops | None:
         """Return the loops of a formula if it pays to use them for ``size`` more poses."""
-        if self.get(size, formula) is None:
+        if self.pays(size, formula) and formula not in self.loops:
+            self.load(formula, motions=False)
+        return self.loops.get(formula) if self.in_use() else None
+
+    def in_use(self) -> bool:
+        """Whether what is compiled is used: not before a page has loaded all, nor on NumPy."""
+        return self.module is not None or (not self.deferred and bool(self.loops))
+
+    def compiler(self) -> ModuleType | None:
+        """Return what compiles; without Numba None, and from then on all runs on NumPy."""
+        try:
+            from paminsa_viz.model import compiled
+        except ModuleNotFoundError as error:
+            if error.name != "numba":
+                raise
+            self.deferred = True  # whatever the size
             return None
-        if formula not in self.loops and not self.deferred:
-            if self.requested[formula] < self.worth:
-                return None
-            self.load(formula)
-        return self.loops.get(formula)
+        return compiled
 
-    def load(self, *formulas: Formula) -> None:
+    def load(self, *formulas: Formula, motions: bool = True) -> None:
         with self.lock:
-            try:
-                from paminsa_viz.model import compiled
-            except ModuleNotFoundError as error:
-                if error.name != "numba":
-                    raise
-                self.deferred = True  # all of it runs on NumPy, whatever its size
+            compiled = self.compiler()
+            if compiled is None:
                 return
-
-            if self.module is None:
+            if motions and self.module is None:
                 compiled.warm_up()
             for formula in formulas:
                 if formula not in self.loops:
                     self.loops[formula] = compiled.over_poses(formula.function, formula.results)
-            self.module = compiled
+            if motions:
+                self.module = compiled
 
 
 _kernels = _Kernels()
@@ -118,14 +127,14 @@ def compile_now() -> None:
     _kernels.load()
 
 
-def worth_compiled(size: int) -> bool:
-    """Say whether work that counts as ``size`` poses runs compiled; loads the kernels if so."""
-    return _kernels.get(size) is not None
+def compiles() -> bool:
+    """Whether work with kernels of its own may compile them now; those of here are not loaded."""
+    return is_compiled() or (not _kernels.deferred and _kernels.compiler() is not None)
 
 
 def is_compiled() -> bool:
     """Whether compiled kernels are in use."""
-    return _kernels.module is not None
+    return _kernels.in_use()
 
 
 class use_numpy:

@@ -23,10 +23,6 @@ from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import plant
 from paminsa_viz.trajectory.sampled import Trajectory
 
-_WORK = 1_000_000
-"""Poses that a simulation counts as when it is decided whether to load compiled kernels."""
-
-
 _LENGTHS, _TERMS = len(Mechanism._fields), len(EnergyTerms._fields)
 
 
@@ -112,7 +108,7 @@ def equations(
     track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration, load])
     wanted = (gains, np.array(trajectory.t), track)
     growth = plant.derivative
-    if backend.worth_compiled(_WORK):
+    if backend.compiles():
         load_kernel()
         growth = _compiled()
         true, believed = _packed(true), _packed(believed)

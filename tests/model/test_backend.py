@@ -347,6 +347,28 @@ def test_kernels_are_loaded_when_they_pay(
     assert backend._kernels.get_loops(backend.Formula(ratio_of_lengths, 2), 10**6) is None
 
 
+def test_what_needs_no_kernels_of_motions_does_not_wait_for_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Neither a formula nor what compiles kernels of its own, as a simulation does."""
+    monkeypatch.setenv("PAMINSA_VIZ_BACKEND", "")
+    monkeypatch.setattr(backend, "_kernels", backend._Kernels())  # as at the start
+    monkeypatch.setattr(compiled, "warm_up", lambda: pytest.fail("kernels of motions were loaded"))
+    monkeypatch.setattr(compiled, "over_poses", lambda *_: ("grid", "list"))
+    assert backend.compiles()
+    few, many = (backend.Formula(ratio_of_lengths, count) for count in (1, 2))
+    assert backend._kernels.get_loops(few, backend.WORTH_LOADING - 1) is None
+    assert backend._kernels.get(backend.WORTH_LOADING - 1) is None
+    assert not backend.is_compiled()
+    assert backend._kernels.get_loops(many, backend.WORTH_LOADING) == ("grid", "list")
+    assert backend._kernels.get_loops(few, 0) == ("grid", "list")
+    assert backend.is_compiled()
+    with backend.use_numpy():
+        assert backend._kernels.get_loops(many, 1) is None
+        assert not backend.compiles()
+    assert backend._kernels.get_loops(many, 1) == ("grid", "list")
+
+
 IN_A_NEW_PROCESS = """
 import sys
 import numpy as np
