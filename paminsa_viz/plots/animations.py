@@ -32,22 +32,24 @@ class AnimationFormat:
 
     Attributes:
         label: Name on a button.
-        encoder: Returns the pictures as one file, given the time between two of them [s].
+        encoder: Returns the pictures as one file, given the time between two of them [s] and how
+            many they are.
         package: What it needs that a plain installation lacks, as imported; empty for nothing.
         extra: The extra of this project that installs it.
     """
 
     label: str
-    encoder: Callable[[Frames, float], bytes]
+    encoder: Callable[[Frames, float, int], bytes]
     package: str = ""
     extra: str = ""
 
-    def encode(self, frames: Frames, step: float) -> bytes:
+    def encode(self, frames: Frames, step: float, count: int) -> bytes:
         """Return pictures as one file.
 
         Args:
-            frames: At least one.
+            frames: At least one; each is asked for when those before it are compressed.
             step: Time between two of them [s].
+            count: How many they are.
 
         Raises:
             InvalidInput: If there is no picture, they differ in size, or the time is none.
@@ -60,7 +62,7 @@ class AnimationFormat:
         if first is None:
             raise InvalidInput("pictures", "there is none: an animation needs at least one")
         try:
-            return self.encoder(_of_size(first.shape, chain([first], frames)), step)
+            return self.encoder(_of_size(first.shape, chain([first], frames)), step, count)
         except PaminsaError:
             raise
         except (OSError, ValueError, RuntimeError) as error:  # Pillow's and PyAV's
@@ -82,8 +84,10 @@ def _of_size(shape: tuple[int, ...], frames: Frames) -> Frames:
         yield frame
 
 
-def _gif(frames: Frames, step: float) -> bytes:
+def _gif(frames: Frames, step: float, count: int) -> bytes:
     from PIL import Image
+
+    del count
 
     def images() -> Iterator[Image.Image]:
         for frame in frames:
@@ -93,15 +97,21 @@ def _gif(frames: Frames, step: float) -> bytes:
     return _animated_picture("GIF", images(), step, 10, {"disposal": 1, "optimize": False})
 
 
-def _webp(frames: Frames, step: float) -> bytes:
+def _webp(frames: Frames, step: float, count: int) -> bytes:
     from PIL import Image
 
     options = {"quality": 80, "method": 2}
-    return _animated_picture("WEBP", map(Image.fromarray, frames), step, 1, options)
+    pictures = map(Image.fromarray, frames)
+    return _animated_picture("WEBP", pictures, step, 1, options, count_of_one=count)
 
 
 def _animated_picture(
-    kind: str, images: Iterator[Image.Image], step: float, unit: int, options: dict[str, Any]
+    kind: str,
+    images: Iterator[Image.Image],
+    step: float,
+    unit: int,
+    options: dict[str, Any],
+    count_of_one: int = 0,
 ) -> bytes:
     """Return pictures as one that runs over and over, in a format of Pillow's.
 
@@ -111,6 +121,8 @@ def _animated_picture(
         step: Time between two of them [s].
         unit: What the format counts times in [ms].
         options: Of the format.
+        count_of_one: How many pictures there are, for a format of which Pillow asks for all images
+            before it compresses the first, but for the pictures of one image in their turn.
     """
     durations: list[int] = []  # Pillow reads that of a picture once it has the picture
 
@@ -122,10 +134,17 @@ def _animated_picture(
 
     pictures = timed()
     first = next(pictures)
+    if count_of_one:
+
+        def seek(index: int) -> None:
+            if index:  # at the end Pillow goes back to the first, which is not looked at again
+                first.paste(next(pictures))
+
+        vars(first).update(n_frames=count_of_one, seek=seek)
     stream = io.BytesIO()
     first.save(
-        stream, format=kind, append_images=pictures, save_all=True, loop=0, duration=durations,
-        **options,
+        stream, format=kind, append_images=() if count_of_one else pictures, save_all=True, loop=0,
+        duration=durations, **options,
     )  # fmt: skip
     return stream.getvalue()
 
@@ -134,9 +153,11 @@ _QUALITY: Final = "20"
 """Constant rate factor of H.264; 0 is lossless, 23 its default, 51 the worst."""
 
 
-def _mp4(frames: Frames, step: float) -> bytes:
+def _mp4(frames: Frames, step: float, count: int) -> bytes:
     """Return pictures as a video: H.264 with colors at half the resolution, as all players read."""
     import av
+
+    del count
 
     stream = io.BytesIO()
     with av.open(stream, "w", format="mp4") as container:

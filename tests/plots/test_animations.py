@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import io
+import weakref
 from collections.abc import Iterator
 
 import numpy as np
@@ -27,18 +28,18 @@ def animation(request: pytest.FixtureRequest) -> AnimationFormat:
 
 def test_no_picture_is_refused(animation: AnimationFormat) -> None:
     with pytest.raises(InvalidInput, match="there is none: an animation needs at least one"):
-        animation.encode(iter(()), 0.1)
+        animation.encode(iter(()), 0.1, 0)
 
 
 @pytest.mark.parametrize("step", [0.0, -0.1, np.inf, np.nan])
 def test_no_time_between_pictures_is_refused(animation: AnimationFormat, step: float) -> None:
     with pytest.raises(InvalidInput, match="no time between two pictures"):
-        animation.encode(iter([PICTURE]), step)
+        animation.encode(iter([PICTURE]), step, 1)
 
 
 def test_pictures_of_several_sizes_are_refused(animation: AnimationFormat) -> None:
     with pytest.raises(InvalidInput, match="80×64 and 80×60 pixels"):
-        animation.encode(iter([PICTURE, PICTURE[:60]]), 0.1)
+        animation.encode(iter([PICTURE, PICTURE[:60]]), 0.1, 2)
 
 
 @pytest.mark.parametrize(
@@ -53,28 +54,54 @@ def test_what_stops_the_pictures_says_so_in_one_line(
 
     expected = type(error) if isinstance(error, MemoryError) else PaminsaError
     with pytest.raises(expected) as caught:
-        animation.encode(pictures(), 0.1)
+        animation.encode(pictures(), 0.1, 2)
     assert "\n" not in str(caught.value)
     assert str(error) in str(caught.value)
 
 
 def test_an_encoder_that_fails_names_the_format() -> None:
-    def fail(frames: Frames, step: float) -> bytes:
-        raise OSError(f"no codec for {step} s, {next(frames).shape[0]} rows")
+    def fail(frames: Frames, step: float, count: int) -> bytes:
+        raise OSError(f"no codec for {count} in {step} s")
 
-    with pytest.raises(PaminsaError, match=r"^the GIF could not be made: no codec for 0.1 s, 64"):
-        AnimationFormat("GIF", fail).encode(iter([PICTURE]), 0.1)
+    with pytest.raises(PaminsaError, match=r"^the GIF could not be made: no codec for 1 in 0.1 s"):
+        AnimationFormat("GIF", fail).encode(iter([PICTURE]), 0.1, 1)
 
 
 def test_one_picture_is_enough(animation: AnimationFormat) -> None:
-    assert len(animation.encode(iter([PICTURE]), 0.1)) > 60
+    assert len(animation.encode(iter([PICTURE]), 0.1, 1)) > 60
+
+
+def test_webp_compresses_each_picture_before_it_asks_for_the_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """If it kept them all to compress them at the end, nothing could stop it for that long."""
+    images: list[weakref.ref[Image.Image]] = []
+    kept: list[int] = []
+    made = Image.fromarray
+
+    def remembered(frame: np.ndarray) -> Image.Image:
+        image = made(frame)
+        images.append(weakref.ref(image))
+        return image
+
+    def pictures() -> Iterator[np.ndarray]:
+        for index in range(9):
+            kept.append(sum(image() is not None for image in images))
+            yield np.full_like(PICTURE, 20 * index)
+
+    monkeypatch.setattr(Image, "fromarray", remembered)
+    content = ANIMATION_FORMATS["webp"].encode(pictures(), 0.1, 9)
+    assert max(kept) <= 2  # the first, and the one before
+    shown = ImageSequence.all_frames(Image.open(io.BytesIO(content)))
+    means = [float(np.asarray(frame.convert("RGB")).mean()) for frame in shown]
+    np.testing.assert_allclose(means, 20 * np.arange(9), atol=3)
 
 
 @pytest.mark.parametrize("step", [1 / 15, 0.047, 0.1])
 def test_gif_takes_its_true_time(step: float) -> None:
     """Its unit is 10 ms, which no picture of the recorder's rate is a multiple of."""
     pictures = (np.full_like(PICTURE, 5 * index) for index in range(45))
-    image = Image.open(io.BytesIO(ANIMATION_FORMATS["gif"].encode(pictures, step)))
+    image = Image.open(io.BytesIO(ANIMATION_FORMATS["gif"].encode(pictures, step, 45)))
     shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
     assert len(shown) == 45
     assert sum(shown) == pytest.approx(45e3 * step, abs=5)

@@ -112,7 +112,8 @@ class Recorder:
             session.dispatch("recording", start, step=False)
             frames = self._frames(session, frame_at, times)
             with session.holding_scene():
-                content = ANIMATION_FORMATS[kind].encode(frames, float(times[1] - times[0]))
+                step = float(times[1] - times[0])
+                content = ANIMATION_FORMATS[kind].encode(frames, step, times.size)
         finally:
             session.dispatch("recording", partial(_recording, None), step=False)
             session.submit(partial(cameras.fit, session))  # a window may have another shape by now

@@ -151,18 +151,26 @@ def test_a_new_map_on_the_floor_is_decoded_before_a_picture_is_taken(session: An
 
 
 @pytest.mark.slow
-def test_recording_can_be_canceled(session: Any) -> None:
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_recording_can_be_canceled(session: Any, kind: str) -> None:
     session.client.slow = 0.05
     recorder = Recorder()
-    timer = threading.Timer(0.3, lambda: recorder.cancel(session))
-    timer.start()
-    export: Any = session_export("the motion", partial(recorder.record, kind="gif"))
+
+    def cancel() -> None:
+        for _ in range(3):
+            assert session.client.renders.acquire(timeout=TIMEOUT)
+        recorder.cancel(session)
+
+    canceling = threading.Thread(target=cancel)
+    canceling.start()
+    export: Any = session_export("the motion", partial(recorder.record, kind=kind))
     export.call(session)
+    canceling.join()
     assert 0 < len(session.client.poses) < 30
     assert session.client.notices == session.client.removed == [("Exporting the motion …", "")]
     again = Recorder()
     session.client.slow = 0.0
-    assert again.record(session, "gif").content
+    assert again.record(session, kind).content
 
 
 @pytest.mark.slow
@@ -213,7 +221,7 @@ def test_pictures_are_few_and_small_enough() -> None:
     assert size_of((412.0, 705.0)) == (412, 704)
     assert max(size_of((4000.0, 1000.0))) == LARGEST
     pictures = iter([np.full((64, 64, 3), value, np.uint8) for value in (0, 99, 200)])
-    image = Image.open(io.BytesIO(ANIMATION_FORMATS["gif"].encode(pictures, 0.1)))
+    image = Image.open(io.BytesIO(ANIMATION_FORMATS["gif"].encode(pictures, 0.1, 3)))
     assert image.info["duration"] == 100
     assert image.info["loop"] == 0
 
@@ -221,7 +229,7 @@ def test_pictures_are_few_and_small_enough() -> None:
 @pytest.mark.parametrize(("kind", "unit"), [("gif", 10), ("webp", 1)])
 def test_durations_of_pictures_add_up(kind: str, unit: int) -> None:
     pictures = [np.full((64, 64, 3), 5 * value, np.uint8) for value in range(46)]
-    image: Any = Image.open(io.BytesIO(ANIMATION_FORMATS[kind].encode(iter(pictures), 1 / 15)))
+    image: Any = Image.open(io.BytesIO(ANIMATION_FORMATS[kind].encode(iter(pictures), 1 / 15, 46)))
     durations = []
     for index in range(image.n_frames):
         image.seek(index)
@@ -255,7 +263,7 @@ def test_video_has_every_picture_in_true_time(session: Any) -> None:
 def test_video_cuts_odd_sides() -> None:
     av = pytest.importorskip("av")
     pictures = iter(np.zeros((3, 65, 101, 3), np.uint8))
-    with av.open(io.BytesIO(ANIMATION_FORMATS["mp4"].encode(pictures, 1 / 15))) as container:
+    with av.open(io.BytesIO(ANIMATION_FORMATS["mp4"].encode(pictures, 1 / 15, 3))) as container:
         first = next(container.decode(video=0))
     assert (first.width, first.height) == (100, 64)
 
