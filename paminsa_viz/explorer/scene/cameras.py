@@ -299,8 +299,6 @@ makes the pixels fewer where pictures take long, and rounding them is no new sha
 def follow_resizes(session: Session) -> None:
     """Fit the robot to the view again when its shape changes, unless a person moved the camera.
 
-    A motion that is recorded is looked at from one place: `fit` has to follow it.
-
     At the same height every pixel counts: how wide the view was on the way to its width, which is
     a matter of time, is not seen in the end.
     """
@@ -308,8 +306,6 @@ def follow_resizes(session: Session) -> None:
     fitted, window = (0, 1), session.window
 
     def is_due() -> bool:
-        if session.state.recording.running:
-            return False
         if session.window != window:  # which may be known later than the view that came of it
             return True
         width, height = camera.image_width, max(camera.image_height, 1)

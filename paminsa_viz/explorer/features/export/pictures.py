@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import NamedTuple
 
 import numpy as np
 import viser
@@ -23,12 +24,35 @@ LEGEND_LETTERS = 13.0
 """Size of the letters of the legend on a picture whose shorter side has 720 pixels [px]."""
 
 
+class Viewpoint(NamedTuple):
+    """From where a picture of the 3D view is taken.
+
+    Attributes:
+        wxyz: How the camera is turned, a quaternion.
+        position: Where it is [m].
+        fov: Its vertical field of view [rad].
+    """
+
+    wxyz: NDArray[np.float64]
+    position: NDArray[np.float64]
+    fov: float
+
+    @classmethod
+    def now(cls, client: viser.ClientHandle) -> Viewpoint:
+        """Return from where a page looks by now."""
+        camera = client.camera
+        return cls(camera.wxyz, camera.position, camera.fov)
+
+
 class NoView(PaminsaError):
     """The page did not give a picture of its 3D view."""
 
 
 def picture(
-    client: viser.ClientHandle, size: tuple[float, float], legend: Legend = NO_LEGEND
+    client: viser.ClientHandle,
+    size: tuple[float, float],
+    legend: Legend = NO_LEGEND,
+    viewpoint: Viewpoint | None = None,
 ) -> NDArray[np.uint8]:
     """Return a picture of the 3D view over the light gradient, (height, width, 3).
 
@@ -36,6 +60,7 @@ def picture(
         client: The page.
         size: Width and height [pixels]; kept within `VIEW_SIDES`.
         legend: What the legend over the view says.
+        viewpoint: From where it is taken; None for where the page looks from when it takes it.
 
     Raises:
         NoView: If the page does not answer in time.
@@ -43,7 +68,10 @@ def picture(
     low, high = VIEW_SIDES
     width, height = (int(min(max(side, low), high)) for side in size)
     try:
-        pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
+        pixels = client.get_render(
+            height, width, **(viewpoint._asdict() if viewpoint else {}), transport_format="png",
+            timeout=VIEW_TIMEOUT,
+        )  # fmt: skip
         if pixels.dtype != np.uint8 or pixels.shape != (height, width, 4):
             raise ValueError(f"a picture of shape {pixels.shape}")
         letters = LEGEND_LETTERS * min(height, width) / 720

@@ -21,10 +21,9 @@ from paminsa_viz.explorer.core.frame import Frame, compute
 from paminsa_viz.explorer.core.motion_results import MotionStore
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.export.exports import motion_name
-from paminsa_viz.explorer.features.export.pictures import VIEW_TIMEOUT, picture
+from paminsa_viz.explorer.features.export.pictures import VIEW_TIMEOUT, Viewpoint, picture
 from paminsa_viz.explorer.features.maps.floor import FloorMap
 from paminsa_viz.explorer.kit.downloads import File
-from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Appearance
@@ -116,7 +115,6 @@ class Recorder:
                 content = ANIMATION_FORMATS[kind].encode(frames, step, times.size)
         finally:
             session.dispatch("recording", partial(_recording, None), step=False)
-            session.submit(partial(cameras.fit, session))  # a window may have another shape by now
         return File(motion_name(state, found, "", kind), content)
 
     def _frames(
@@ -127,6 +125,7 @@ class Recorder:
     ) -> Iterator[NDArray[np.uint8]]:
         camera = session.client.camera
         size = size_of((camera.image_width, camera.image_height))
+        viewpoint = Viewpoint.now(session.client)  # a resized window or a person may change it
         told = -1.0
         for index, time in enumerate(times):
             done = index / len(times)
@@ -135,7 +134,7 @@ class Recorder:
                 action = partial(State.updated, part="recording", done=done)
                 session.dispatch("recording.done", action, step=False, overtakes=True)
             make = partial(frame_at, float(time))
-            draw = partial(self._render, session, make, size, first=index == 0)
+            draw = partial(self._render, session, make, size, viewpoint, first=index == 0)
             yield self._on_worker(session, draw)
 
     def _on_worker(self, session: Session, make: Callable[[], Any]) -> Any:
@@ -167,6 +166,7 @@ class Recorder:
         session: Session,
         make: Callable[[], Frame],
         size: tuple[int, int],
+        viewpoint: Viewpoint,
         *,
         first: bool,
     ) -> NDArray[np.uint8]:
@@ -181,7 +181,7 @@ class Recorder:
         session.client.flush()
         if is_late:  # the browser has decoded it by the time that the page has answered once
             picture(session.client, (0, 0))
-        return picture(session.client, size, self._legend(frame))
+        return picture(session.client, size, self._legend(frame), viewpoint)
 
 
 def _recording(kind: str | None, state: State) -> State:

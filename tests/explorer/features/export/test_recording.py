@@ -32,7 +32,6 @@ from paminsa_viz.explorer.features.export.tab import export_entries
 from paminsa_viz.explorer.features.maps.floor import FloorMap
 from paminsa_viz.explorer.kit.downloads import session_export
 from paminsa_viz.explorer.kit.entries import ButtonGroup, given
-from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Appearance
@@ -47,10 +46,12 @@ from tests.support.desk import SilentPage, stop
 class Page(SilentPage):
     """A tab that renders a picture whose brightness is the platform's x."""
 
-    camera = SimpleNamespace(image_width=100, image_height=80)
-
     def __init__(self) -> None:
         super().__init__()
+        self.camera = SimpleNamespace(
+            image_width=100, image_height=80, wxyz=(1, 0, 0, 0), position=(0, 0, 2), fov=0.5
+        )
+        self.places: list[Any] = []
         self.x = 0.0
         self.poses: list[Any] = []
         self.widths: list[int] = []
@@ -61,8 +62,9 @@ class Page(SilentPage):
         self.renders = threading.Semaphore(0)
         self.slow = 0.0
 
-    def get_render(self, height: int, width: int, **_: Any) -> np.ndarray:
+    def get_render(self, height: int, width: int, position: Any = None, **_: Any) -> np.ndarray:
         time.sleep(self.slow)
+        self.places.append(position)
         self.renders.release()
         self.drawn_at_last_picture = len(self.drawn)
         self.poses.append(self.x)
@@ -101,11 +103,7 @@ def frames_of(content: bytes) -> list[Image.Image]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["gif", "webp"])
-def test_every_instant_is_rendered_at_its_pose(
-    session: Any, kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    fitted: list[bool] = []
-    monkeypatch.setattr(cameras, "fit", lambda s: fitted.append(bool(s.state.recording.running)))
+def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
     before = session.state
     file = Recorder().record(session, kind)
     trajectory = motions.planned(before).trajectory
@@ -124,8 +122,6 @@ def test_every_instant_is_rendered_at_its_pose(
     while session.state.recording.running:
         assert time.monotonic() < end
     assert session.state.document == before.document
-    # a window that has another shape by now is looked at anew, after the recording
-    until(lambda: fitted == [False], "the robot fitted to the view")
 
 
 class NewMaps(FloorMap):
@@ -171,6 +167,21 @@ def test_recording_can_be_canceled(session: Any, kind: str) -> None:
     again = Recorder()
     session.client.slow = 0.0
     assert again.record(session, kind).content
+
+
+def test_all_pictures_are_taken_from_one_place(session: Any) -> None:
+    """A person turns the view, or it follows the window that is resized."""
+    page = session.client
+    session.dispatch("motion", lambda s: motions.change(s, timing=Timing.GIVEN, duration=0.2))
+    until(lambda: session.state.document.motion.duration == 0.2, "a short motion")
+
+    def move(frame: Any, dragging: bool) -> None:
+        page.camera.position = (0, 0, 3 + len(page.places))
+
+    session.immediate.append(SimpleNamespace(draw=move))
+    Recorder().record(session, "gif")
+    assert page.camera.position != (0, 0, 2)
+    assert page.places[1:] == [(0, 0, 2)] * instants(0.2).size  # the first waits for new bodies
 
 
 @pytest.mark.slow
