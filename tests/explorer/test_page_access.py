@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, dock_width
+from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, SHEET_SHARE, dock_width
 from paminsa_viz.explorer.core.docks import EDGE
 from paminsa_viz.explorer.scene.cameras import in_window
 from paminsa_viz.explorer.state.view import Appearance
@@ -303,3 +303,17 @@ def test_layout_is_the_same_however_many_pixels_the_view_has(
     fitted = camera_of(edges[1] - edges[0], 700)
     until(lambda: np.allclose(coarse.session.camera[1], fitted, atol=3e-3), "it fits again")
     until(lambda: coarse.session.window == (1280, 700), "the window's newest size")
+
+
+def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
+    open_tab: Callable[..., Tab],
+) -> None:
+    tab = open_tab(390, 844)
+    fitted = in_window("3D", APPENDIX_4.geometry, None, 390, 844, sheet=True).position
+    until(lambda: np.allclose(tab.session.camera[1], fitted, atol=3e-3), "the robot in the view")
+    box = tab.page.get_by_test_id("status").locator(
+        "xpath=ancestor::div[contains(@style, 'width: 20em')]"
+    )
+    assert [each.bounding_box()["width"] for each in box.all()] == [390, 390]
+    assert box.first.bounding_box()["height"] <= SHEET_SHARE * 844 + 1
+    assert tab.errors == []

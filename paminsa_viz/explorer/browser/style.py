@@ -71,6 +71,10 @@ WIDEST, NARROWEST = 840, 380
 VIEW_SHARE = 0.46
 """Least share of the window's width that the 3D view has, with the docks' edges, in windows of
 1400 px and more."""
+PHONE = 576
+"""Width of a window up to which viser has no docks but a sheet of controls at the bottom [px]."""
+SHEET_SHARE = 0.6
+"""Largest share of the window's height that this sheet covers; it takes it as it is opened."""
 SHARE = 0.34
 """Largest share of the window's width that the dock takes at the start."""
 
@@ -91,7 +95,14 @@ def is_folded(window_width: float) -> bool:
     return 0 < window_width < FOLD_BELOW
 
 
+def has_sheet(window_width: float) -> bool:
+    """Whether the controls are a sheet over the lower part of the 3D view, as on a phone [px]."""
+    return 0 < window_width <= PHONE
+
+
 def view_width(window_width: float, window_height: float) -> float:
     """Return the width of the 3D view between dock and controls at the start [px]."""
+    if has_sheet(window_width):
+        return window_width
     dock = 0 if is_folded(window_width) else dock_width(window_width, window_height)
     return max(window_width - CONTROLS_WIDTH - dock, 1.0)

@@ -10,7 +10,7 @@ import numpy as np
 
 from paminsa_viz.dimensions.body_scale import times_body_scale
 from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
-from paminsa_viz.explorer.browser.style import view_width
+from paminsa_viz.explorer.browser.style import SHEET_SHARE, has_sheet, view_width
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.state.view import Camera
@@ -147,17 +147,25 @@ def least_aspect(view: CameraView, geometry: Geometry) -> float:
 
 
 def in_window(
-    name: str, geometry: Geometry, configuration: Configuration | None, width: float, height: float
+    name: str,
+    geometry: Geometry,
+    configuration: Configuration | None,
+    width: float,
+    height: float,
+    *,
+    sheet: bool = False,
 ) -> CameraView:
     """Return a preset that fits between the panel *View* and the legend.
 
     Args:
         name, geometry, configuration: As `preset` takes them.
         width, height: Size of the picture [px]; 0 is not known.
+        sheet: Whether a sheet of controls covers the legend, and more.
     """
     if not height:
         return preset(name, geometry, configuration, 1.0)
     below, above = (min(part / height, 0.25) for part in (LEGEND_HEIGHT, VIEW_BAR_HEIGHT))
+    below = SHEET_SHARE if sheet else below
     aspect = width / height / (1 - below - above)
     return raised(preset(name, geometry, configuration, aspect), below, above)
 
@@ -189,7 +197,10 @@ def _in_tab(session: Session, name: str) -> CameraView:
     height = camera.image_height / session.pixel_ratio
     if np.allclose((width, height), session.window, atol=1):  # the panels take theirs in a moment
         width = view_width(width, height)
-    return in_window(name, last_reachable.geometry, configuration, width, height)
+    return in_window(
+        name, last_reachable.geometry, configuration, width, height,
+        sheet=has_sheet(session.window[0]),
+    )  # fmt: skip
 
 
 def at_preset(session: Session) -> bool:

@@ -11,7 +11,7 @@ import pytest
 import viser
 
 from paminsa_viz.dimensions.layout import lift_motor_height
-from paminsa_viz.explorer.browser.style import over_backdrop, style_html
+from paminsa_viz.explorer.browser.style import SHEET_SHARE, over_backdrop, style_html
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.scene import cameras
@@ -184,14 +184,21 @@ def test_torques_that_are_not_finite_are_not_drawn() -> None:
 
 @pytest.mark.parametrize("knee", KneeBranch)
 @pytest.mark.parametrize("name", CAMERAS)
-@pytest.mark.parametrize("window", [(432.0, 720.0), (512.0, 512.0), (768.0, 480.0)])
+@pytest.mark.parametrize(
+    ("window", "sheet"),
+    [
+        ((432.0, 720.0), False), ((512.0, 512.0), False), ((768.0, 480.0), False),
+        ((390.0, 844.0), True),
+    ],
+    ids=str,
+)  # fmt: skip
 def test_every_camera_shows_all_of_the_robot_between_panel_and_legend(
-    name: str, knee: KneeBranch, window: tuple[float, float]
+    name: str, knee: KneeBranch, window: tuple[float, float], sheet: bool
 ) -> None:
     design = with_knee(APPENDIX_4, knee)
     configuration = solved((0.0, 0.0, 0.1, -0.45 * knee.sign), design)
     width, height = window
-    view = in_window(name, design.geometry, configuration, width, height)
+    view = in_window(name, design.geometry, configuration, width, height, sheet=sheet)
     position, look = np.array(view.position), np.array(view.look_at)
     back = (position - look) / np.linalg.norm(position - look)
     right = np.cross([0.0, 0.0, 1.0], back)
@@ -204,7 +211,7 @@ def test_every_camera_shows_all_of_the_robot_between_panel_and_legend(
     assert (depth > 0.05).all()
     row = height / 2 - scale * (points @ np.cross(back, right)) / depth
     assert (row > VIEW_BAR_HEIGHT).all()
-    assert (row < height - LEGEND_HEIGHT).all()
+    assert (row < height - (SHEET_SHARE * height if sheet else LEGEND_HEIGHT)).all()
     assert (np.abs(points @ right) * scale / depth < width / 2).all()
 
 
@@ -284,6 +291,16 @@ def test_robot_is_fitted_to_a_new_shape_of_the_view_unless_the_camera_was_moved(
     assert update() == 5
     assert update(image_width=110) == 6
     assert update(position=(3.0, 0.0, 1.0), image_width=100) == 6  # a person moved it
+
+
+def test_robot_is_looked_at_in_the_whole_width_of_a_phone_above_the_sheet() -> None:
+    page: Any = SilentPage()
+    page.camera = SimpleNamespace(image_width=390, image_height=844)
+    session = Session(page, initial_state())
+    session.set_window(390.0, 844.0)
+    cameras.look(session, "3D")
+    expected = in_window("3D", APPENDIX_4.geometry, None, 390.0, 844.0, sheet=True)
+    assert page.camera.position == expected.position
 
 
 def test_robot_of_another_size_is_fitted_to_the_view_unless_the_camera_was_moved() -> None:
