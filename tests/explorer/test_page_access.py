@@ -316,4 +316,8 @@ def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
     )
     assert [each.bounding_box()["width"] for each in box.all()] == [390, 390]
     assert box.first.bounding_box()["height"] <= SHEET_SHARE * 844 + 1
+    tab.session.open_tab("Balance")  # as the command palette, the tour and links do
+    until(lambda: tab.is_open("Balance"), "the section is open")
+    tab.page.get_by_role("button", name="Balance", exact=True).first.click()
+    until(lambda: tab.is_open("Answer"), "the answer is open in the dock below")
     assert tab.errors == []

@@ -66,8 +66,9 @@ window.paminsaTabs = (config) => {
     const seen = open.filter((tab) => tab.checkVisibility()).map((tab) => paths.get(tab));
     const found = [...paths.keys()].filter((tab) => wanted.includes(paths.get(tab)));
     const closed = found.filter((tab) => !isOpen(tab));
-    for (const tab of closed)
-      tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+    for (const tab of closed) // those of docks are no buttons, and open by a key
+      if (tab.matches("button")) tab.click();
+      else tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
     // What a row opens by itself is no choice: the server would go to that workspace, and then
     // open in the dock what the next one begins with.
     if (!closed.length && String(seen) !== reported && send("tabs", seen)) reported = String(seen);
