@@ -208,7 +208,7 @@ def test_torques_of_the_wrong_sign_or_unit_are_not_explained() -> None:
 def test_stopped_work_says_so() -> None:
     state = actions.use_log(initial_state(), "log", example_log())
     assert state.identification.running is not None
-    outcome = solve(identify_logs, state.identification.running, lambda _: True)
+    outcome = solve(identify_logs, state.identification.running, lambda _, **__: True)
     assert outcome.result is None
     assert "stopped" in outcome.problem
 
