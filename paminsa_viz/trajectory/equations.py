@@ -114,9 +114,11 @@ def equations(
         true, believed = _packed(true), _packed(believed)
 
     def at(t: float, state: Array, commanded: Array) -> Array:
-        # in Python of numbers that are not finite, where the bars cannot close
+        # Out of reach or singular, Python raises, and compiled code returns what is not finite.
         with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
-            return growth(t, state, true, believed, *wanted, commanded)
+            found = growth(t, state, true, believed, *wanted, commanded)
+            if np.isfinite(found).all():
+                return found
         return np.full(state.size, np.nan)
 
     def derivative(t: float, state: Array) -> Array:

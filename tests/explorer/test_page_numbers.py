@@ -245,7 +245,9 @@ def test_a_number_longer_than_its_box_is_shown_shorter_and_edited_as_it_is(tab: 
     shows("links.b1", "0.0012")
     tab.dispatch(lambda s: actions.vary(s, {"links.b1": 1234.56789}))
     until(lambda: box("links.b1").input_value() == "1234.56789", "the number", 5)
-    shows("links.b1", "1234.5679")
+    # as many digits as the browser's font leaves room for
+    until(lambda: len(seen("links.b1") or "") < 10, "the number is shortened", 5)
+    assert float(seen("links.b1") or "nan") == pytest.approx(1234.56789, abs=6e-3)
     field = box("links.b1")
     field.click()
     shows("links.b1", "1234.56789")
