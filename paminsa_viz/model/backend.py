@@ -62,7 +62,7 @@ class _Kernels:
         self.lock = threading.Lock()
 
     def pays(self, size: int, formula: Formula | None = None) -> bool:
-        """Whether to load the kernels of motions, or of a formula, for ``size`` more poses."""
+        """Count ``size`` more poses of motions, or of a formula; whether to load its kernels."""
         work = self.requested.get(formula, 0) + max(size, LEAST_WORK)
         self.requested[formula] = work
         return not self.deferred and work >= self.worth

@@ -72,7 +72,8 @@ VIEW_SHARE = 0.46
 """Least share of the window's width that the 3D view has, with the docks' edges, in windows of
 1400 px and more."""
 PHONE = 576
-"""Width of a window up to which viser has no docks but a sheet of controls at the bottom [px]."""
+"""Width of a window up to which viser has no docks but a sheet of controls at the bottom [px];
+`view.css` has it, too."""
 SHEET_SHARE = 0.6
 """Largest share of the window's height that this sheet covers; it takes it as it is opened."""
 SHARE = 0.34
