@@ -20,7 +20,7 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.search.case import Effort
 from paminsa_viz.units import number
-from tests.support.chromium import Tab, until
+from tests.support.chromium import COMPUTING, Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -38,7 +38,7 @@ def test_tables_follow_the_pose_and_the_motion(tab: Tab) -> None:
     until(lambda: tab.page.evaluate(nodes), "arrows")
 
     tab.page.get_by_label("Along the motion").check(force=True)
-    until(lambda: tab.state.loads.outcome is not None, "loads of the motion")
+    until(lambda: tab.state.loads.outcome is not None, "loads of the motion", COMPUTING)
     outcome = tab.state.loads.outcome
     assert outcome is not None
     assert outcome.result is not None
@@ -99,7 +99,7 @@ LOG = Path(paminsa_viz.files.__file__).parent / ExampleLog.BEST.value
 def test_log_is_identified_drawn_and_used_and_a_wrong_one_changes_nothing(tab: Tab) -> None:
     tab.open_tab("Logs")
     tab.upload("Open a log…", "log.csv", LOG.read_bytes())
-    until(lambda: tab.state.identification.result is not None, "the log is identified", 60.0)
+    until(lambda: tab.state.identification.result is not None, "the log is identified", COMPUTING)
     numbers = tab.page.get_by_test_id("identify-numbers")
     numbers.wait_for()
     unknown = tab.state.identification.result.identification.unknown
@@ -190,7 +190,7 @@ def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
     tab.open_tab("Requirements")
     tab.page.get_by_text("Largest workspace", exact=True).click()
     tab.click("Find the largest")
-    until(lambda: tab.state.requirements.largest.outcome is not None, "a proof")
+    until(lambda: tab.state.requirements.largest.outcome is not None, "a proof", COMPUTING)
     proven = tab.state.requirements.largest.proven
     assert proven is not None
     tab.page.get_by_test_id("largest-result").get_by_text("largest proven workspace").wait_for()
@@ -210,7 +210,7 @@ def test_a_search_is_adopted_with_the_design_before_as_reference(
     tab.open_tab("Synthesis")
     tab.page.get_by_test_id("synthesize-intro").get_by_text("160").wait_for()
     tab.click("Search")
-    until(lambda: tab.state.synthesis.outcome is not None, "an answer")
+    until(lambda: tab.state.synthesis.outcome is not None, "an answer", COMPUTING)
     tab.page.get_by_test_id("synthesis-result").get_by_text("footprint").wait_for()
     found = tab.state.synthesis.answer
     assert found is not None

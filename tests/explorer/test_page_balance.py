@@ -12,7 +12,7 @@ from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.state.balance import CounterweightSlot
 from paminsa_viz.model import APPENDIX_4, static_imbalance
-from tests.support.chromium import Tab, until
+from tests.support.chromium import COMPUTING, Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -51,7 +51,7 @@ def test_infeasible_bounds_are_shown_and_relaxed_ones_solved(balance: Tab) -> No
     limit(0.5)
     balance.page.get_by_text("Optimization settings", exact=True).click()
     balance.click("Optimize")
-    until(lambda: balance.state.balance.outcome is not None, "the task is done")
+    until(lambda: balance.state.balance.outcome is not None, "the task is done", COMPUTING)
     status = balance.page.get_by_test_id("balance-status")
     status.get_by_text("The bounds do not allow it").wait_for()
     assert (

@@ -23,7 +23,7 @@ from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.tables import table_text
 from paminsa_viz.model import APPENDIX_4
-from tests.support.chromium import PIXEL, Tab, until
+from tests.support.chromium import COMPUTING, PIXEL, Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -164,7 +164,7 @@ def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:
     gallery.get_by_text("Heavy payload").click()
     until(lambda: tab.state.document.design.payload.mass == 10.0, "the payload is there")
     cards.nth(2).press("Enter")
-    until(lambda: tab.state.springs.outcome, "the springs are fitted")
+    until(lambda: tab.state.springs.outcome, "the springs are fitted", COMPUTING)
     tab.open_tab("Answer")
     number = tab.page.get_by_text("91 N/m").first
 

@@ -16,7 +16,7 @@ from paminsa_viz.plots.map_values import frame_half
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze, load_kernel
 from paminsa_viz.units import number
-from tests.support.chromium import PIXEL, Tab, until
+from tests.support.chromium import COMPUTING, PIXEL, Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -232,7 +232,7 @@ def test_engines_torques_are_marked_and_the_difference_passes(motion: Tab, mujoc
         assert max(map(abs, apart)) < 1e-9
     # Another design has no marks until the engine has computed it.
     motion.dispatch(lambda s: actions.vary(s, {"links.b4": 2.0}))
-    until(lambda: motion.state.engine_answer is not answer, "the engine computes again")
+    until(lambda: motion.state.engine_answer is not answer, "the engine computes again", COMPUTING)
     motion.dispatch(lambda s: s.updated("plots", plot="differences", published=True))
     until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
     assert motion.text("motion-numbers").count("FAIL") == 4
@@ -280,7 +280,7 @@ def test_simulation_shows_its_error(motion: Tab) -> None:
     load_kernel()  # on a loaded machine the first compilation takes longer than a page is given
     motion.open_tab("Simulate")
     motion.page.get_by_role("button", name="Simulate", exact=True).click()
-    until(lambda: motion.state.simulation.outcome is not None, "it has run")
+    until(lambda: motion.state.simulation.outcome is not None, "it has run", COMPUTING)
     motion.page.get_by_test_id("simulation").get_by_text("Ran to the end").wait_for()
     assert motion.state.plots.plot == "errors"
     errors = motion.page.get_by_text("Error of x, y, z").locator("visible=true")

@@ -48,6 +48,9 @@ PIXEL = 0.008
 TIMEOUT = 60.0
 """How long a slow machine may take to show something [s]."""
 
+COMPUTING = 4 * TIMEOUT
+"""How long it may take to compute something, with kernels that have to be compiled first [s]."""
+
 
 def browser_path() -> str:
     """Return a browser's path; without one skip the test, or fail where one is required."""
