@@ -73,7 +73,7 @@ VIEW_SHARE = 0.46
 1400 px and more."""
 PHONE = 576
 """Width of a window up to which viser has no docks but a sheet of controls at the bottom [px];
-`view.css` has it, too."""
+the style sheet of the view has it, too."""
 SHEET_SHARE = 0.6
 """Largest share of the window's height that this sheet covers; it takes it as it is opened."""
 SHARE = 0.34

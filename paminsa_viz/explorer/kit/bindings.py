@@ -301,6 +301,8 @@ class Binding:
             if not self._entry.typed:
                 raise
             self._refused = True
+            if number == self._received and not same(self._handle.value, value):
+                self._handle.value = value  # a frame drawn as it arrived has set it back
             insist = partial(self._dispatch, partial(self._refuse, number, value))
             self._timer = threading.Timer(TYPING_TIMEOUT, insist)
             self._timer.daemon = True

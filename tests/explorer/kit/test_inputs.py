@@ -326,6 +326,19 @@ def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(
     eventually(lambda: handle.value == 0.0)
 
 
+def test_refused_value_that_was_written_over_as_it_arrived_is_still_there_while_typed(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(state: State, value: float) -> State:
+        raise InvalidInput("x", "it is not liked")
+
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 1e4)
+    handle = FakeInput(session, refuse)
+    session.submit(lambda: handle.receive(0.07, between=0.0))
+    eventually(lambda: handle.value == 0.07)
+    assert not session.client.notices
+
+
 @pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
 def test_input_is_set_back_after_a_refused_value(
     session: Session, wrong: float, monkeypatch: pytest.MonkeyPatch
