@@ -83,7 +83,7 @@ class Excite(JsonFlags, DesignFlags):
     evaluations: int = DEFAULTS.evaluations
     """Most evaluations of a motion; a search that they end is reproducible by the same command."""
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 250.0
-    """Samples a second of the table."""
+    """Samples a second of the table; more than twice the frequency of its highest harmonic."""
     seed: int = DEFAULTS.seed
     """Seed of the random motions that the search starts with."""
 
@@ -96,7 +96,7 @@ class Excite(JsonFlags, DesignFlags):
             period=self.period, harmonics=self.harmonics, periods=self.periods,
             evaluations=self.evaluations, seconds=self.seconds, seed=self.seed,
         )  # fmt: skip
-        sample_times(0.0, settings.period * settings.periods, self.rate)  # refuses it now
+        self._check_rate(settings)
         if not self.json:
             print_began(f"searching for up to {self.seconds:g} s")
         try:
@@ -113,6 +113,21 @@ class Excite(JsonFlags, DesignFlags):
             print_blocks(excitation_blocks(found))
             print_written(written)
         return 0
+
+    def _check_rate(self, settings: ExcitationSettings) -> None:
+        """Refuse a rate of the table before the search.
+
+        Raises:
+            InvalidInput: If it makes too many samples.
+            UsageError: If the highest harmonic is not seen in samples so far apart.
+        """
+        sample_times(0.0, settings.period * settings.periods, self.rate)
+        needed = 2 * settings.harmonics / settings.period
+        if self.rate <= needed:
+            raise UsageError(
+                f"--rate: more than {needed:.4g} Hz are needed, twice the frequency of the highest "
+                f"harmonic, not {self.rate:g}"
+            )
 
     def _limits(self, design: Design) -> ExcitationLimits:
         """Return the limits that are given, and those of the drives for the others.

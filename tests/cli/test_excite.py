@@ -56,3 +56,15 @@ def test_wrong_limits_are_refused(capsys) -> None:
     held = static_torques(APPENDIX_4, preset_center(APPENDIX_4.geometry))[3]
     times = f"{rounded_to_side(held / 50, 3, up=True):.3g} times as large"
     assert f"force of M4 is beyond its limit at rest there, {times}; raise it" in err
+
+
+@pytest.mark.parametrize(
+    ("rate", "needed"), [("1", "more than 1.667 Hz"), ("nan", "rate"), ("1e9", "rate")]
+)
+def test_rate_that_tells_the_motion_wrong_is_refused_before_the_search(
+    capsys, rate: str, needed: str
+) -> None:
+    code, out, err = run("excite", capsys, *SHORT, "--harmonics", "5", "--rate", rate)
+    assert (code, out) == (2, "")
+    assert needed in err
+    assert "searching" not in err
