@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import kinds_checked, require_at_least
+from paminsa_viz.checks import kinds_checked, require_at_least, require_count
 from paminsa_viz.errors import InvalidInput, name_hint
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_numbers, as_pose
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from paminsa_viz.plots.series import FigureKind
 
 __all__ = ["InlinePage", "InlinePicture", "curve_view", "map_view", "motion_view", "robot_view"]
+
+MOST_CELLS = 500
+"""Most cells along a side of a map that shows each cell's value: more are not told apart in it."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +163,7 @@ def map_view(
         quantity: ``"torques"`` for those of M1, M2 and M3, or a key of
             `paminsa_viz.quantities.QUANTITIES`; with hyphens too, as on the command line.
         theta, z, at: Angle [rad], height [m] and position (x, y) [m] in place of the pose's.
-        cells: Cells along each side, 2 to 2000.
+        cells: Cells along each side, 2 to `MOST_CELLS`; ``paminsa-viz map`` draws finer ones.
         width: Of the figure [pixels], at least 200.
 
     Raises:
@@ -174,6 +177,7 @@ def map_view(
     quantity = quantity.replace("-", "_")
     if quantity not in selections():
         raise InvalidInput("quantity", name_hint(quantity, selections()))
+    require_count(cells, "cells", MOST_CELLS, 2)
     if at is not None and as_numbers(at, "at").shape != (2,):
         raise InvalidInput("at", f"two numbers (x, y) are needed, not {at}")
     robot = design or APPENDIX_4
