@@ -141,5 +141,9 @@ def _run(words: list[str]) -> int:
         # it names no place.
         warnings.simplefilter("ignore", RuntimeWarning)
         module = command_module(name)
+        if name != "start" and sys.stderr.isatty():
+            from paminsa_viz.cli.output import announce_compilation
+
+            announce_compilation()
         program = COMMAND if name == "start" else f"{COMMAND} {name}"
         return parse(module.FLAGS, words, program, module.DESCRIPTION).run()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import json
+import logging
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -103,6 +104,24 @@ def status_line(text: str) -> Iterator[Callable[[str], None]]:
     status = console.status(text)
     with on_interrupt(status.stop), status:  # or a terminal is left without its cursor
         yield status.update
+
+
+def announce_compilation() -> None:
+    """Tell people, once, why the first run after installing takes longer."""
+    log = logging.getLogger("paminsa_viz.model.compiled")
+    log.addHandler(_announcement)
+    log.setLevel(logging.INFO)
+
+
+class _Announcement(logging.Handler):
+    """Tells of the first kernel that is not on disk."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        logging.getLogger(record.name).removeHandler(self)
+        print_began("compiling, once after installing")
+
+
+_announcement = _Announcement()
 
 
 def _print_step(done: float, /, *, step: str, **_: Any) -> None:

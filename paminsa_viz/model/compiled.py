@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import logging
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -83,6 +84,8 @@ OPTIONS: dict[str, Any] = {
 NEWEST_NUMBA = (0, 68)
 """The newest release whose compiled code was tried without all that compiles it."""
 
+log = logging.getLogger(__name__)
+
 _is_tried = tuple(map(int, numba.__version__.split(".")[:2])) <= NEWEST_NUMBA
 if _is_tried:
     for _name, _address in _nrt_python.c_helpers.items():
@@ -126,7 +129,9 @@ class _Cache(FunctionCache):
         load = self._load_overload if _is_tried else super().load_overload
         # A file that something else has damaged may raise anything; then it is written anew.
         with suppress(Exception):
-            return load(sig, target_context)
+            if (loaded := load(sig, target_context)) is not None:
+                return loaded
+        log.info("%s is compiled", self._name)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import logging
 import os
 import sys
 from dataclasses import dataclass
@@ -17,9 +18,14 @@ import pytest
 from paminsa_viz.blocks import Note, Row, Table
 from paminsa_viz.blocks.data import UNITS, record
 from paminsa_viz.cli import main
-from paminsa_viz.cli.output import ascii_numbers, print_blocks, print_json
+from paminsa_viz.cli.output import (
+    announce_compilation,
+    ascii_numbers,
+    print_blocks,
+    print_json,
+)
 from paminsa_viz.files.design_file import load_content, save_design
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, compiled
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.quantities.requirements import (
     Requirement,
@@ -215,3 +221,11 @@ def test_a_design_that_is_changed_keeps_its_requirements(words: str) -> None:
     assert main([*words.split(), out, "--design", "robot.toml"]) == 0
     written = load_content("found/identified.toml" if folder else out)
     assert written.requirements == needed
+
+
+def test_compiling_is_announced_once(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled.log, "level", logging.NOTSET)
+    announce_compilation()
+    for name in ("one", "another"):
+        compiled.log.info("%s is compiled", name)
+    assert capsys.readouterr().err == "compiling, once after installing ...\n"

@@ -423,6 +423,13 @@ def test_a_newer_numba_loads_all_that_it_may_need(
     assert refreshed == [1] * (not tried)
 
 
+def test_what_is_not_on_the_disk_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    cache = compiled.mass_matrix._cache
+    with caplog.at_level("INFO", compiled.log.name):
+        assert cache.load_overload((), compiled.mass_matrix.targetctx) is None
+    assert [one.getMessage() for one in caplog.records] == [f"{cache._name} is compiled"]
+
+
 def test_kernels_are_compiled_by_calls_on_nothing() -> None:
     """Whatever a kernel reads and writes is not there then."""
     for dimensions in (1, 2, 3):
