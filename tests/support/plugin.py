@@ -93,13 +93,15 @@ def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Run long tests first, those in a browser before all: at the end no worker waits for one.
 
-    A browser's test that fails runs once more, but in a debugger; the summary names it.
+    A test in a browser or with a server, which wait for other processes and threads, runs once more
+    if it fails, but in a debugger; the summary names it.
     """
     for item in items:
-        if item.get_closest_marker("browser"):
+        in_browser = item.get_closest_marker("browser") is not None
+        if in_browser:
             item.add_marker("slow")
-            if not config.getoption("usepdb"):
-                item.add_marker(pytest.mark.flaky(reruns=1))
+        if (in_browser or "server" in item.fixturenames) and not config.getoption("usepdb"):
+            item.add_marker(pytest.mark.flaky(reruns=1))
     long_files = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(
         key=lambda item: (
