@@ -73,7 +73,7 @@ class Identify(JsonFlags, DesignFlags):
     """Pose near the start of the logs [mm, mm, °, mm]; it chooses the assembly mode. The
     home pose by default."""
     cut_off: Annotated[float, tyro.conf.arg(metavar="HZ")] = DEFAULTS.cut_off
-    """Where the filter halves [Hz]."""
+    """Where the filter halves [Hz]; that of the positions at 10 Hz or above."""
     delay: bool = False
     """Fit a delay of the torques after the positions."""
     rotors: bool = False

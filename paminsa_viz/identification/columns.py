@@ -33,6 +33,10 @@ of the actuator's."""
 LARGE_DELAY = 2e-3
 """Half width above which a delay is unknown [s]."""
 
+BLOCK_PERIODS = 2.0
+"""Fewest periods of the cut-off in a block of the jackknife: filtered residuals are correlated over
+about one, and intervals from blocks as short are a tenth too narrow."""
+
 NOTHING = 1e-10
 """Share of the largest torque, or speed [rad/s, m/s], below which a column is rounding."""
 
@@ -42,8 +46,9 @@ class IdentificationSettings:
     """How a log is identified.
 
     Attributes:
-        cut_off: Where the filter halves [Hz].
-        block: Length of a block of the jackknife [s]; longer than the noise remembers.
+        cut_off: Where the filter halves [Hz]; positions as `position_cut_off` says.
+        block: Shortest block of the jackknife [s], see `block_length`; longer than the noise
+            remembers.
         viscous, coulomb: Fit friction of each actuator.
         offsets: Fit the torque offsets of M1..M3. That of F_4 cannot be told from the weight.
         delay: Fit a delay of the torques after the positions.
@@ -70,6 +75,11 @@ class IdentificationSettings:
     def __post_init__(self) -> None:
         for name in ("cut_off", "block"):
             require_positive(getattr(self, name), name, "a finite number above 0")
+
+    @property
+    def block_length(self) -> float:
+        """Length of a block of the jackknife [s]: longer than what the filter correlates."""
+        return max(self.block, BLOCK_PERIODS / self.cut_off)
 
 
 class FitParameter(NamedTuple):

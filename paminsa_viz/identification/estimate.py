@@ -104,7 +104,7 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
         left = counted(following, f"block {size} is", f"blocks {size} are")
         raise InvalidLog(
             f"{left} left after filtering; intervals need {FEWEST_BLOCKS}, and 20 s or more are "
-            "advised"
+            "advised, or a higher cut-off"
         )
     return found
 

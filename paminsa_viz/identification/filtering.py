@@ -1,11 +1,14 @@
-"""One zero-phase filter for everything: positions, torques, and the columns that are fitted.
+"""Zero-phase filters of positions, torques, and the columns that are fitted.
 
 A Butterworth filter runs forward and backward (`scipy.signal.sosfiltfilt`), so that nothing is
 delayed and the amplitude at the cut-off is half. Positions pass it before they are differentiated.
 Then torques and columns pass it: the columns are not linear in the positions, and the sign of a
 speed has high frequencies of its own, so that only a filter behind both leaves the equation
-between them as it is (the parallel filter of Gautier and Khalil). Above the cut-off nothing is
-left, so that a tenth of the samples of a 1 kHz log carry all of it.
+between them as it is (the parallel filter of Gautier and Khalil). What the filter of the positions
+takes from the motion is missing in the columns but not in the torques, and no interval shows that
+error. So a low cut-off holds for torques and columns only; that of the positions stays at
+`POSITION_CUT_OFF`. Above it nothing is left, so that a tenth of the samples of a 1 kHz log carry
+all of it.
 """
 
 from __future__ import annotations
@@ -29,13 +32,13 @@ ORDER = 4
 """Order of the Butterworth filter; forward and backward it is twice that."""
 
 OVERSAMPLING = 10.0
-"""Samples that are kept, per period of the cut-off."""
+"""Samples that are kept, per period of the cut-off of the positions."""
 
 ANTI_ALIAS = (3.0, 0.35)
 """Cut-off of what comes before leaving out samples: over the cut-off, and at most over the rate."""
 
 SETTLING = 2.0
-"""Periods of the cut-off that each of the two passes takes at both ends of a piece."""
+"""Periods of its cut-off that each of the two passes takes at both ends of a piece."""
 
 FORGOTTEN = 2.0**-60
 """What is left of a sample where the filter has forgotten it: nothing in double precision."""
@@ -45,6 +48,9 @@ COLUMNS_AT_ONCE = 8
 
 LOWEST_RATE = 4.0
 """Lowest sampling rate over the cut-off."""
+
+POSITION_CUT_OFF = 10.0
+"""Lowest cut-off of the positions; at lower rates a quarter of the rate [Hz]."""
 
 _FIRST = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 _SECOND = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
@@ -155,7 +161,7 @@ def filter_log(
         geometry: Lengths of the mechanism.
         pose: (n, 4) unfiltered poses of `log_poses`; they tell the assembly modes apart.
         pieces: The parts without gaps.
-        cut_off: Where the filter halves [Hz].
+        cut_off: Where the filter halves [Hz]; positions as `position_cut_off` says.
         transition_speed: Speed scale of the Coulomb step [rad/s, m/s].
         thinning: Keep every so manyth sample; by default as `thinning_for` says.
 
@@ -171,12 +177,13 @@ def filter_log(
 
     every = thinning_for(log.rate, cut_off) if thinning is None else thinning
     rate = log.rate / every
-    sections: Any = butter(ORDER, cut_off, fs=log.rate, output="sos")
+    fast = position_cut_off(log.rate, cut_off)
+    sections: Any = butter(ORDER, fast, fs=log.rate, output="sos")
     slow: Any = butter(ORDER, cut_off, fs=rate, output="sos")
     first = butter(
         ORDER, min(ANTI_ALIAS[0] * cut_off, ANTI_ALIAS[1] * rate), fs=log.rate, output="sos"
     )
-    settle = round(2 * SETTLING / cut_off * rate)
+    settle = round((SETTLING / fast + SETTLING / cut_off) * rate)
     least = (2 * settle + 4 * _REACH) * every
     kept = [piece for piece in pieces if piece.stop - piece.start > least]
     if not kept:
@@ -185,7 +192,9 @@ def filter_log(
     padding = round(SETTLING / cut_off * log.rate)
     parts, torques, times = [], [], []
     for number, piece in enumerate(kept):
-        q = sosfiltfilt(sections, log.position[piece], axis=0, padlen=padding)
+        q = sosfiltfilt(
+            sections, log.position[piece], axis=0, padlen=round(SETTLING / fast * log.rate)
+        )
         sign = np.tanh(_difference(q, _FIRST) * (log.rate / transition_speed))
         torque = log.torque[piece]
         if every > 1:
@@ -224,9 +233,14 @@ def filter_log(
     )  # fmt: skip
 
 
+def position_cut_off(rate: float, cut_off: float) -> float:
+    """Return where the filter of the positions halves [Hz], for the rate and the cut-off [Hz]."""
+    return max(cut_off, min(POSITION_CUT_OFF, rate / LOWEST_RATE))
+
+
 def thinning_for(rate: float, cut_off: float) -> int:
     """Return how many samples there are for one that is kept."""
-    return max(1, int(rate / (OVERSAMPLING * cut_off)))
+    return max(1, int(rate / (OVERSAMPLING * position_cut_off(rate, cut_off))))
 
 
 def pieces_of(segment: NDArray[np.int64]) -> list[NDArray[np.intp]]:

@@ -26,6 +26,7 @@ from paminsa_viz.identification.filtering import (
     Signals,
     filter_log,
     pieces_of,
+    position_cut_off,
     thinning_for,
 )
 from paminsa_viz.identification.log import InvalidLog, Log
@@ -118,10 +119,12 @@ def identify(
         for item, value, width in zip(model.parameters, values, half, strict=True)
     )
     notes = list(log.notes)
+    fast = position_cut_off(log.rate, settings.cut_off)
+    apart = "" if fast == settings.cut_off else f", positions at {fast:g} Hz"
     notes.append(
-        f"Filtered forward and backward (Butterworth, half at {settings.cut_off:g} Hz), "
+        f"Filtered forward and backward (Butterworth, half at {settings.cut_off:g} Hz{apart}), "
         f"{counted(len(signals.t), 'sample')} at {1 / signals.step:g} Hz, "
-        f"{counted(solution.blocks, 'block')} of {settings.block:g} s"
+        f"{counted(solution.blocks, 'block')} of {settings.block_length:g} s"
     )
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
@@ -143,7 +146,7 @@ def _fit(
     design: Design, signals: Signals, settings: IdentificationSettings
 ) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
-    numbers = block_numbers(signals.t, signals.segment, settings.block)
+    numbers = block_numbers(signals.t, signals.segment, settings.block_length)
     model, blocks, solution = _fitted(design, signals, settings, numbers)
     lag = 0.0
     for _ in range(DELAY_STEPS if settings.delay else 0):

@@ -117,7 +117,7 @@ def validate(
         normal_blocks(
             model.columns,
             model.torque,
-            block_numbers(signals.t, signals.segment, identification.settings.block),
+            block_numbers(signals.t, signals.segment, identification.settings.block_length),
         )
     )
     predicted = model.columns @ identification.solution.x + model.known
@@ -156,7 +156,7 @@ def weigh_payload(
     payload[10, 1] = 1.0
     offset = np.zeros((*signals.torque.shape, 1))
     offset[:, 3] = 1.0
-    numbers = block_numbers(signals.t, signals.segment, identification.settings.block)
+    numbers = block_numbers(signals.t, signals.segment, identification.settings.block_length)
     fits = []
     for columns in (x @ payload, np.concatenate([x @ payload, offset], axis=-1)):
         fits.append(_step(columns, model, identification.solution, numbers))

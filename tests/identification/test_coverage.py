@@ -9,7 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from paminsa_viz.identification import IdentificationSettings, find_causes, identify
+from paminsa_viz.identification import (
+    Identification,
+    IdentificationSettings,
+    find_causes,
+    identify,
+)
 from paminsa_viz.model import APPENDIX_4, Friction
 from tests.support.identification_logs import simulated
 
@@ -22,6 +27,10 @@ more samples cost time and say nothing else about intervals."""
 
 SEARCHED = 3
 """Logs of each motion that are searched for causes: 30 in all."""
+
+
+def errors_over_half_widths(found: Identification) -> list[float]:
+    return [(item.value - item.parameter.design) / item.half_width for item in found.estimates]
 
 
 class Study(NamedTuple):
@@ -39,7 +48,7 @@ def study() -> Study:
         for noise in range(NOISES):
             log = simulated(motion, DESIGN, noise_seed=100 * motion + noise, rate=RATE)
             found = identify(DESIGN, log, QUICK)
-            errors.append([(e.value - e.parameter.design) / e.half_width for e in found.estimates])
+            errors.append(errors_over_half_widths(found))
             z.append(found.identity.z)
             if noise < SEARCHED:
                 accused += bool(find_causes(found).named)
@@ -51,6 +60,23 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
     coverage = (np.abs(study().errors) <= 1).mean(axis=0)
     assert 0.93 <= coverage.mean() <= 0.97
     assert coverage.min() >= 0.88
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cut_off", [1.0, 2.0])
+def test_intervals_of_a_low_cut_off_cover_the_truth_as_often(cut_off: float) -> None:
+    """A part of the motion is above 1 Hz, and residuals are correlated over a second."""
+    settings = replace(QUICK, cut_off=cut_off)
+    errors = [
+        errors_over_half_widths(
+            identify(DESIGN, simulated(motion, DESIGN, noise_seed=noise, rate=RATE), settings)
+        )
+        for motion in range(1, MOTIONS + 1)
+        for noise in range(8)
+    ]
+    coverage = (np.abs(errors) <= 1).mean(axis=0)
+    assert 0.92 <= coverage.mean() <= 0.97
+    assert coverage.min() >= 0.85
 
 
 @pytest.mark.slow

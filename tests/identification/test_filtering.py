@@ -18,12 +18,14 @@ from paminsa_viz.identification.filtering import (
     _SECOND,
     LOWEST_RATE,
     OVERSAMPLING,
+    POSITION_CUT_OFF,
     SETTLING,
     MotionSamples,
     Signals,
     _difference,
     _rates,
     filter_log,
+    position_cut_off,
     smoothed,
     thinning_for,
 )
@@ -31,7 +33,7 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.reach import Limit, reach_status
 from paminsa_viz.units import rounded_to_side
 from tests.identification.test_estimate import random_columns
-from tests.support.identification_logs import clean_signals
+from tests.support.identification_logs import HARMONICS, PERIOD, clean_signals, multi_sine
 
 
 @pytest.mark.parametrize("degree", range(7))
@@ -60,6 +62,22 @@ def test_as_many_samples_are_kept_as_the_band_needs() -> None:
     assert thinning_for(39.9 * OVERSAMPLING, 10.0) == 3
     assert thinning_for(40.0 * OVERSAMPLING, 10.0) == 4
     assert thinning_for(1.0, 10.0) == 1
+    assert thinning_for(1000.0, 2.0) == thinning_for(1000.0, POSITION_CUT_OFF) == 10
+
+
+def test_a_low_cut_off_is_not_that_of_the_positions() -> None:
+    """They would lose a part of the motion that the torques keep, which shifts all results."""
+    assert position_cut_off(1000.0, 12.0) == 12.0
+    assert position_cut_off(1000.0, 1.0) == POSITION_CUT_OFF
+    assert position_cut_off(20.0, 1.0) == 20.0 / LOWEST_RATE
+    rate, top = 100.0, HARMONICS / PERIOD
+    log = make_log(*clean_signals(1, duration=10.0, rate=rate))
+    pose, pieces = log_poses(APPENDIX_4.geometry, log)
+    found = filter_log(log, APPENDIX_4.geometry, pose, pieces, cut_off=top, transition_speed=0.01)
+    for filtered, exact in zip(
+        (found.pose, found.velocity, found.acceleration), multi_sine(1)(found.t), strict=True
+    ):
+        np.testing.assert_allclose(filtered, exact, atol=1e-3 * np.abs(exact).max())
 
 
 def test_cut_offs_are_possible_from_above_nothing_to_a_share_of_the_rate() -> None:
@@ -141,9 +159,9 @@ def test_correlated_noise_widens_intervals_as_much_as_it_counts_less() -> None:
 
 @pytest.mark.parametrize("thinning", [1, 3])
 def test_a_piece_settles_at_both_ends_and_is_long_enough_or_refused(thinning: int) -> None:
-    """Two passes take `SETTLING` periods of the cut-off each, differences their reach twice."""
+    """Two passes take `SETTLING` periods of their cut-offs, differences their reach twice."""
     rate, cut_off = 400.0, 8.0
-    settle = round(2 * SETTLING / cut_off * rate / thinning)
+    settle = round((SETTLING / POSITION_CUT_OFF + SETTLING / cut_off) * rate / thinning)
     least = (2 * settle + 4 * _REACH) * thinning
     signals = clean_signals(1, duration=(least + 30) / rate, rate=rate)
 

@@ -212,6 +212,20 @@ def test_short_logs_and_torques_with_the_wrong_sign_are_noted() -> None:
     assert "38 blocks of 0.5 s" in first  # 19.1 s are left after filtering
 
 
+def test_a_low_cut_off_takes_nothing_from_the_motion_and_lengthens_blocks() -> None:
+    """A part of it is above 1 Hz; with that in the torques alone b_4 is off by ten times itself."""
+    log = simulated(1, RUBBING, rate=60.0, noise_seed=None)
+    found = identify(RUBBING, log, replace(QUICK, cut_off=1.0))
+    assert np.abs(errors(found, RUBBING)).max() < 0.01
+    # 15.5 s are left; a block lasts 2 periods of the cut-off, or 0.5 s as with higher ones
+    assert "half at 1 Hz, positions at 10 Hz)" in found.notes[0]
+    assert found.notes[0].endswith("7 blocks of 2 s")
+    assert found.solution.blocks == 7
+    for cut_off, length in ((3.2, 0.625), (4.0, 0.5), (10.0, 0.5)):
+        assert replace(QUICK, cut_off=cut_off).block_length == length
+    assert replace(QUICK, cut_off=1.0, block=3.0).block_length == 3.0
+
+
 def test_a_log_without_a_long_enough_piece_or_whose_legs_do_not_meet_is_refused() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     kept = np.concatenate([np.arange(start, start + 180) for start in range(0, 3600, 200)])

@@ -25,6 +25,7 @@ from paminsa_viz.identification.causes import (
     _tried,
 )
 from paminsa_viz.identification.columns import (
+    BLOCK_PERIODS,
     LARGE_DELAY,
     LARGE_SHARE,
     LARGE_TORQUE,
@@ -50,6 +51,7 @@ from paminsa_viz.identification.filtering import (
     LOWEST_RATE,
     ORDER,
     OVERSAMPLING,
+    POSITION_CUT_OFF,
     SETTLING,
 )
 from paminsa_viz.identification.identify import (
@@ -226,9 +228,10 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"{NOISE_SHARE:g} of the torques",
         "at more than {:g} rad/s or {:g} m/s".format(*FASTEST),
         f"Butterworth of order {ORDER}, forward and backward",
-        f"at least {LOWEST_RATE:g} rows and then {OVERSAMPLING:g} samples in a period of it",
+        f"at least {LOWEST_RATE:g} rows in a period of it, and then {OVERSAMPLING:g} samples in "
+        "one of the cut-off of the positions",
         f"Each pass settles within {SETTLING:g} periods",
-        "halves at {:g} times that, and at most at {:g} of the rate that is left".format(
+        "halves at {:g} times the cut-off, and at most at {:g} of the rate that is left".format(
             *ANTI_ALIAS
         ),
         f"(`--delay`; they are shifted by it and fitted again {DELAY_STEPS} times)",
@@ -238,7 +241,11 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"at most {MOST_NAMED} one after the other",
         f"condition number κ is above {MOST_CONDITION:g} is refused with its row",
         f"half at {settings.cut_off:g} Hz (`--cut-off`)",
-        f"a jackknife over blocks of {settings.block:g} s, with Student's t",
+        f"a jackknife over blocks of {settings.block:g} s, and of {BLOCK_PERIODS:g} periods of the "
+        f"cut-off below {BLOCK_PERIODS / settings.block:g} Hz, with Student's t",
+        f"The cut-off is below {POSITION_CUT_OFF:g} Hz for torques and columns only: positions are "
+        f"filtered at {POSITION_CUT_OFF:g} Hz then, or at a quarter of the rate of a log of fewer "
+        f"than {POSITION_CUT_OFF * LOWEST_RATE:g} rows a second",
         f"it checks the model (|z| < {IDENTITY_Z:g})",
         f"a delay known worse than {1e3 * LARGE_DELAY:g} ms",
         f"posterior over prior above {UNTOLD:g}",
