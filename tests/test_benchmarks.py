@@ -29,6 +29,7 @@ SMALLEST: dict[str, dict[str, Any]] = {
     "code_speed": {"STATES": 64, "BUILDS": {"gcc -O2": ("gcc", "-O2")}},
     "drive_speed": {"MOTORS": 20},
     "excitation_speed": {"SECONDS": 0.1, "RUNS": ((5, 0),)},
+    "identification_coverage": {"LOGS": {"8 s": (8.0, 0.5)}},
     "identification_speed": {"SECONDS": 6.0, "RATE": 100.0},
     "loads_speed": {"CELLS": 37},
     "model_speed": {"ENGINE_STATES": 3, "LARGEST": 4},
@@ -46,6 +47,7 @@ IN_A_BROWSER = ("goals", "one_file_speed", "page_latency", "page_tasks")
 
 ARGUMENTS = {
     "accuracy_error": ("--boxes", "4", "--points", "9"),
+    "identification_coverage": ("--motions", "2", "--noises", "1", "--cut-offs", "10"),
     "volume_error": ("--cases", "1", "--nodes", "500", "--points", "256"),
 }
 

@@ -80,9 +80,13 @@ def moved_unseen(design: Design, seed: int) -> Design:
 
 
 def noisy(
-    t: Array, position: Array, torque: Array, rng: np.random.Generator, noise: float = 0.02
-) -> tuple[Array, Array]:
-    """Add torque noise correlated over 20 ms and round positions to 0.01 degrees and 10 µm."""
+    t: Array, position: Array, torque: Array, rng: np.random.Generator, noise: float = 0.02,
+    jitter: float = 0.0,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Add torque noise correlated over 20 ms and round positions to 0.01 degrees and 10 µm.
+
+    With ``jitter`` positions are off by up to so many counts before they are rounded.
+    """
     from scipy.signal import lfilter
 
     step = t[1] - t[0]
@@ -91,7 +95,10 @@ def noisy(
     colored = np.asarray(lfilter([1.0], [1.0, -keep], white, axis=0))[200:]
     counts = np.array([np.pi / 18000] * 3 + [1e-5])
     scale = noise * np.sqrt((torque**2).mean(axis=0))
-    return counts * np.round(position / counts), torque + scale * colored
+    count = position / counts
+    if jitter:
+        count = count + jitter * rng.uniform(-1.0, 1.0, count.shape)
+    return counts * np.round(count), torque + scale * colored
 
 
 @cache
@@ -106,11 +113,12 @@ def clean_signals(
 
 
 def simulated(
-    seed: int, design: Design = APPENDIX_4, *, noise_seed: int | None = 0, **options: Any
-) -> Log:
-    """Return a log of the formulas; with noise unless ``noise_seed`` is None."""
+    seed: int, design: Design = APPENDIX_4, *, noise_seed: int | None = 0, jitter: float = 0.0,
+    **options: Any,
+) -> Log:  # fmt: skip
+    """Return a log of the formulas; with noise, see `noisy`, unless ``noise_seed`` is None."""
     t, position, torque = clean_signals(seed, design, **options)
     if noise_seed is not None:
         rng = np.random.default_rng(noise_seed)
-        position, torque = noisy(t, position, torque, rng)
+        position, torque = noisy(t, position, torque, rng, jitter=jitter)
     return make_log(t, position, torque)
