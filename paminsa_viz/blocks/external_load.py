@@ -33,7 +33,7 @@ def load_notes(design: Design, pose: Array) -> list[Note]:
             f"give against it: {', '.join(against)}."
         ),
         Note(
-            f"The bearings alone carry {about_x}, {about_y}, and the horizontal moments of the "
-            "offset: they do no work, so no actuator sees them."
+            f"The bearings alone carry {about_x}, {about_y}: these moments do no work, so no "
+            "actuator sees them."
         ),
     ]

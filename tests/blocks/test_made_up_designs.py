@@ -114,6 +114,10 @@ def test_who_carries_a_load() -> None:
     for value in ("M_x = 4 N", "M_y = 5 N"):
         assert value in bearings
         assert value not in drive
+    # Off the center the force's own moments are in the numbers: nothing is to be added to them.
+    beside = loaded.vary({"load.point_y": 0.5, "load.point_z": 0.1})
+    _, (bearings, _) = said(load_notes(beside, pose))
+    assert bearings.startswith("The bearings alone carry M_x = 5.3 N·m, M_y = 5.1 N·m: ")
     turning = loaded.vary({f"load.{name}": 0.0 for name in ("force_y", "moment_y")})
     turning = replace(turning, load=replace(turning.load, frame=LoadFrame.PLATFORM))
     turned = " ".join(
