@@ -181,10 +181,15 @@ def figure_cells(one: DriveFigures, *, good: CellKind = "plain") -> tuple[str, .
 
 
 def margin_text(one: DriveFigures, good: CellKind) -> str:
-    """Return what is left of the limit that is used most, as a percentage of it."""
+    """Return what is left of the limit that is used most, as a percentage of it.
+
+    Rounded down, so that a drive that is a little too weak has no margin of 0 %.
+    """
     if not one.limit:
         return NONE
-    return Cell(f"{fixed(100 * (1 - one.use), 0)} %", kind=good if one.feasible else "bad")
+    percent = round(100 * (1 - one.use), 6)  # 1 - 0.9 is a little less than 0.1
+    whole = math.floor(percent) if math.isfinite(percent) else percent
+    return Cell(f"{fixed(whole, 0)} %", kind=good if one.feasible else "bad")
 
 
 def winding_text(one: DriveFigures) -> str:

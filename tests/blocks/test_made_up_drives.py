@@ -19,6 +19,7 @@ from paminsa_viz.blocks.drives import (
     cycle_text,
     facts_table,
     figures_table,
+    margin_text,
     own_table,
     ratio_table,
 )
@@ -58,6 +59,15 @@ def test_figures_of_a_drive_stand_below_their_headings() -> None:
     assert [row.kind for row in table.rows] == ["plain", "marked"]
     assert [row.cells[3].kind for row in table.rows] == ["plain", "bad"]  # type: ignore
     assert (table.words, table.literal) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("use", "feasible", "shown"),
+    [(1.0005, False, "−1 %"), (1.0, True, "0 %"), (0.9, True, "10 %"), (math.inf, False, "−∞ %")],
+)
+def test_a_margin_is_rounded_down(use: float, feasible: bool, shown: str) -> None:
+    """A drive that is 0.05 % too weak has no margin of 0 %, as one has that is just enough."""
+    assert margin_text(on_a_load(use=use, feasible=feasible), "plain") == shown
     odd = on_a_load(rms=1.23456, peak=2.34567, top_power=3.45678, inertia_ratio=4.56789)
     (row,) = figures_table("", [("", odd)]).rows
     assert [row.cells[FIGURES_HEAD.index(name)] for name in (
