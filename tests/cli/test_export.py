@@ -13,10 +13,9 @@ import pytest
 
 from paminsa_viz.engines.dxf import dxf_text
 from paminsa_viz.engines.exported import exported_usd
-from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.engines.urdf import closure_table, urdf_text
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import APPENDIX_4, KneeBranch
+from paminsa_viz.model import APPENDIX_4, KneeBranch, home_pose
 from tests.support.commands import check_refused, run
 from tests.support.samples import with_knee
 
@@ -68,8 +67,15 @@ def test_another_design_and_branch_as_zip_with_motors(capsys) -> None:
     payload = ET.fromstring(text).find(".//body[@name='payload']/inertial")
     assert payload is not None
     assert float(payload.attrib["mass"]) == 3.25
-    assert refs(text)["z"] == start_pose(with_knee(design, KneeBranch.UPPER))[3]
+    assert refs(text)["z"] == home_pose(with_knee(design, KneeBranch.UPPER))[3]
     assert actuators(text) == ["motor"] * 4
+
+
+def test_without_a_pose_it_is_the_one_of_other_commands(capsys) -> None:
+    """Torques that are printed at home are compared with a model that starts there."""
+    assert run("export", capsys, "--dxf", "r.dxf")[0] == 0
+    at_home = dxf_text(APPENDIX_4, pose=home_pose(APPENDIX_4.geometry))
+    assert Path("r.dxf").read_text() == at_home
 
 
 def test_usd_urdf_and_dxf_at_a_pose(capsys) -> None:
@@ -102,7 +108,8 @@ def test_every_file_says_what_it_leaves_out_of_the_legs(deviation: float, capsys
 
 def test_motors_leave_usd_without_servos(capsys) -> None:
     assert run("export", capsys, "--usd", "r.usda", "--motors")[0] == 0
-    assert Path("r.usda").read_text() == exported_usd(APPENDIX_4, servos=False)
+    home = home_pose(APPENDIX_4.geometry)
+    assert Path("r.usda").read_text() == exported_usd(APPENDIX_4, pose=home, servos=False)
 
 
 @pytest.mark.parametrize(
