@@ -30,6 +30,9 @@ class LoadFrame(Enum):
 WRENCH = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
 """Fields of `LoadCase` that are a wrench, in its order [N, N, N, N m, N m, N m]."""
 
+POINT = ("point_x", "point_y", "point_z")
+"""Fields that are the point of its force [m]."""
+
 
 @dataclass(frozen=True)
 class LoadCase(Group, path="load"):

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.model.load import POINT, WRENCH
 from paminsa_viz.model.statics import shown_imbalance
 from paminsa_viz.plots.contours import contour_lines
 from paminsa_viz.plots.hover import cell_at, reasons
@@ -57,17 +58,19 @@ def key_numbers(design: Design) -> list[tuple[str, float, str]]:
     """Return the numbers of a design that captions and tables name: symbol, value, unit (SI)."""
     numbers = [("Mₚ₂", shown_imbalance(design), "N")]
     numbers += [("payload", design.payload.mass, "kg")] if design.payload.mass else []
-    load = design.load
-    named = zip(("F_x", "F_y", "F_z", "M_z"), (*load.wrench[:3], load.moment_z), strict=True)
-    units = {"M_z": "N m"}
-    return numbers + [(name, value, units.get(name, "N")) for name, value in named if value]
+    names = WRENCH if not any(design.load.wrench[:3]) else (*WRENCH, *POINT)
+    for path in (f"load.{name}" for name in names):
+        if value := design.value(path):
+            numbers.append((PARAMETER[path].symbol, value, PARAMETER[path].unit))
+    return numbers
 
 
 def robot(design: Design, reference: Design | None = None) -> str:
     """Return the robot that numbers belong to, as the start of a sentence."""
     numbers = "".join(f", {equals(*each)}" for each in key_numbers(design))
+    turning = ", load turning with the platform" if design.load.acts and design.load.turns else ""
     words = f"PAMINSA, design {shown(design.name)}, {design.geometry.knee.label}{numbers}"
-    return words + _minus(reference)
+    return words + turning + _minus(reference)
 
 
 def _minus(reference: Design | None) -> str:

@@ -23,8 +23,9 @@ from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.published_table import PublishedMap
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.load import NO_LOAD, LoadFrame
 from paminsa_viz.plots import map_figure, map_panel
-from paminsa_viz.plots.caption import caption, summary
+from paminsa_viz.plots.caption import caption, robot, summary
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.plots.map_figure import render_maps
 from paminsa_viz.plots.map_layout import map_layout
@@ -264,6 +265,19 @@ def test_a_caption_names_design_pose_and_lines(
     data = real(31).with_pose((*place, np.pi / 3, -0.5))
     text = caption(data, choose_scales(data)).replace("\u00a0", " ")
     assert [part for part in parts if part not in text] == []
+
+
+def test_a_caption_names_all_of_the_load_that_numbers_depend_on() -> None:
+    """Where the force acts and whether it turns change torques as the force itself does."""
+    beside = APPENDIX_4.vary({"load.force_x": 21.0, "load.moment_x": 1.5, "load.point_y": -0.05})
+    turning = replace(beside, load=replace(beside.load, frame=LoadFrame.PLATFORM))
+    centered = APPENDIX_4.vary({"load.moment_z": 2.0, "load.point_y": -0.05})
+    tails = [robot(one).replace("\u00a0", " ").partition("F_x")[2] for one in (beside, turning)]
+    assert tails[0] == " = 21 N, M_x = 1.5 N m, r_y = −0.05 m"
+    assert tails[1] == f"{tails[0]}, load turning with the platform"
+    assert "r_y" not in robot(centered)  # no force acts there
+    no_load = replace(NO_LOAD, frame=LoadFrame.PLATFORM)
+    assert robot(replace(APPENDIX_4, load=no_load)) == robot(APPENDIX_4)
 
 
 def test_a_caption_says_what_circles_are_where_there_are_any(

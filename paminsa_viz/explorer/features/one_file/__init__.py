@@ -36,7 +36,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.leg import leg_position, mechanism_of_lengths
-from paminsa_viz.model.load import WRENCH, wrench_at_center
+from paminsa_viz.model.load import POINT, WRENCH, wrench_at_center
 from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
 from paminsa_viz.model.parameters import possible_range
 from paminsa_viz.model.reach import MARGINS
@@ -146,7 +146,7 @@ def _data(document: Document) -> dict[str, Any]:
         "knees": {"lower": "lower", "upper": "upper", **KNEES},
         "parameters": {path: _parameter(path) for path in PARAMETER},
         "masses": dict(zip(Masses._fields, MASS_PATHS, strict=True)),
-        "load": [f"load.{name}" for name in (*WRENCH, "point_x", "point_y", "point_z")],
+        "load": [f"load.{name}" for name in (*WRENCH, *POINT)],
         "heading": list(kinematic_formulas.HEADING),
         "grain": grain(state.document.design.geometry),
         "leastSteps": LEAST_STEPS,
