@@ -72,12 +72,14 @@ def design_blocks(design: Design) -> list[Block]:
     values: list[Row] = []
     for table, title in GROUPS.items():
         keys = [key for key in stated if key.table == table]
-        if not keys or (table in _UNUSED and differing.isdisjoint(keys)):
+        found = [_row(design, key, key in differing) for key in keys]
+        found += [_choice_row(design, *each) for each in CHOICES if each[0] == table]
+        if not keys or (table in _UNUSED and all(row.kind == "plain" for row in found)):
             continue
-        values.append(Row((title,), "group"))
-        values += [_row(design, key, key in differing) for key in keys]
-    blocks: list[Block] = [Note(_summary(design, len(differing)))]
-    if differing:
+        values += [Row((title,), "group"), *found]
+    changed = sum(row.kind == "marked" for row in values)
+    blocks: list[Block] = [Note(_summary(design, changed))]
+    if changed:
         head = ("Symbol", "Quantity", "Value", "Appendix 4", "Change")
         blocks.append(Table(head, tuple(values), "Values that differ are marked.", words=2))
     else:
@@ -113,6 +115,12 @@ def _row(design: Design, key: DesignKey, differs: bool) -> Row:
     if not differs:
         return Row(cells)
     return Row((*cells, texts[1], percent_change(before, now)), "marked")
+
+
+def _choice_row(design: Design, table: str, name: str) -> Row:
+    now, before = (choice(each, table, name).value for each in (design, APPENDIX_4))
+    cells = (name, CHOICE_MEANINGS[name], now)
+    return Row(cells) if now == before else Row((*cells, before, ""), "marked")
 
 
 def _counterweights(design: Design) -> Table:

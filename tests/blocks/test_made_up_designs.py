@@ -22,8 +22,9 @@ from paminsa_viz.blocks.external_load import load_notes
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, KneeBranch
 from paminsa_viz.model.drive import ACTUATORS, Drive
-from paminsa_viz.model.load import LoadFrame
+from paminsa_viz.model.load import LoadCase, LoadFrame
 from tests.blocks.said import cells, said
+from tests.support.samples import with_knee
 
 # ------------------------------------------------------------------------------------------ maps
 
@@ -253,6 +254,13 @@ def test_a_design_beside_appendix_4() -> None:
     assert [row.cells[2:] for row in marked] == [("2 kg", "0 kg", "new")]
     headings = [row.cells[0] for row in table.rows if row.kind == "group"]  # type: ignore
     assert "Payload" in headings
+    turning = replace(APPENDIX_4, load=LoadCase(frame=LoadFrame.PLATFORM))
+    note, table = design.design_blocks(with_knee(turning, KneeBranch.UPPER))
+    assert note.text == "2 values differ from the paper's Appendix 4."  # type: ignore
+    marked = [row for row in table.rows if row.kind == "marked"]  # type: ignore
+    assert [(row.cells[0], *row.cells[2:]) for row in marked] == [
+        ("knee", "upper", "lower", ""), ("frame", "platform", "world", ""),
+    ]  # fmt: skip
     weights = (Counterweight("b3", 4, 0.05, 0.5),)
     held = replace(loaded.vary({"links.b1": 2.0}), counterweights=weights, drives=driven.drives)
     note, _, table = design.design_blocks(held)
