@@ -9,6 +9,7 @@ from paminsa_viz.blocks.design import changes_table, design_blocks
 from paminsa_viz.blocks.kinds import Listing, Note, Table, rows
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.files.design_writer import write_design
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest, Section
 from paminsa_viz.version import MADE_BY
@@ -25,6 +26,8 @@ PAPER = (
 def design_section(design: Design, reference: Design | None = None) -> Section:
     """Return the section, with what differs from a reference if there is one."""
     blocks = design_blocks(design)
+    if note := equal_legs_note(design.deviations):
+        blocks.append(Note(f"Everywhere but in “Accuracy” and “Calibration” {note}."))
     if reference is not None:
         caption = f"What differs from the reference “{reference.name}”."
         table = changes_table(reference, design, ("Reference", "Design"), caption=caption)

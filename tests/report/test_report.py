@@ -164,11 +164,19 @@ def test_every_number_that_differs_is_listed() -> None:
         now = APPENDIX_4.value(path)
         changed = 1e6 if math.isinf(now) else 1.001 * now if now else 1e-4
         section = design_section(APPENDIX_4.vary({path: changed}))
-        (note,), (table,) = blocks(section, Note), blocks(section, Table)
+        (note, *_), (table,) = blocks(section, Note), blocks(section, Table)
         marked = [row.cells for row in table.rows if row.kind == "marked"]
         assert f"{len(marked)} value{' differs' if len(marked) == 1 else 's differ'}" in note.text
         assert (parameter.symbol, parameter.label) in [cells[:2] for cells in marked], path
         assert all(cell and "inf" not in cell for cells in marked for cell in cells), path
+
+
+def test_deviations_of_legs_that_are_listed_are_said_to_be_left_out_elsewhere() -> None:
+    section = design_section(APPENDIX_4.vary({"leg2.bar_94": 1e-4}))
+    assert [note.text for note in blocks(section, Note)[1:]] == [
+        "Everywhere but in “Accuracy” and “Calibration” legs are equal, the design's deviations of "
+        "single legs are left out."
+    ]
 
 
 @pytest.mark.parametrize("seed", range(5))
