@@ -10,7 +10,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, check_output
-from paminsa_viz.cli.output import print_written
+from paminsa_viz.cli.output import print_left_out, print_written
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.webpage import code_page, design_page
 
@@ -42,12 +42,14 @@ class Page(DesignFlags):
         others = (self.design, self.knee, self.load, self.load_point, self.load_frame)
         if self.code is not None and any(each is not None for each in others):
             raise UsageError("--code holds a whole design; leave the other flags of the robot out")
+        design = self.given_design()
         if self.code is None:
-            text = design_page(self.given_design(), self.given_requirements())
+            text = design_page(design, self.given_requirements())
         else:
             text = code_page(self.code)
         write_bytes(self.out, text.encode())
         print_written([self.out])
+        print_left_out(design)
         return 0
 
 
