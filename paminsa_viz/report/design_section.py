@@ -27,7 +27,9 @@ def design_section(design: Design, reference: Design | None = None) -> Section:
     """Return the section, with what differs from a reference if there is one."""
     blocks = design_blocks(design)
     if note := equal_legs_note(design.deviations):
-        blocks.append(Note(f"Everywhere but in “Accuracy” and “Calibration” {note}."))
+        blocks.append(
+            Note(f"But for errors of the pose by tolerances and the calibration, {note}.")
+        )
     if reference is not None:
         caption = f"What differs from the reference “{reference.name}”."
         table = changes_table(reference, design, ("Reference", "Design"), caption=caption)

@@ -174,8 +174,8 @@ def test_every_number_that_differs_is_listed() -> None:
 def test_deviations_of_legs_that_are_listed_are_said_to_be_left_out_elsewhere() -> None:
     section = design_section(APPENDIX_4.vary({"leg2.bar_94": 1e-4}))
     assert [note.text for note in blocks(section, Note)[1:]] == [
-        "Everywhere but in “Accuracy” and “Calibration” legs are equal, the design's deviations of "
-        "single legs are left out."
+        "But for errors of the pose by tolerances and the calibration, legs are equal, the "
+        "design's deviations of single legs are left out."
     ]
 
 
