@@ -119,6 +119,15 @@ def _deviation(key: str, symbol: str, name: str, unit: str, place: int | str) ->
     )  # fmt: skip
 
 
+_OWN_LEGS = (
+    *_from_tolerances("tolerance", "", "Worst", "worst", ""),
+    *_from_tolerances("rms_tolerance", "RMS ", "RMS", "rms", "rms_"),
+    *(_deviation(*place) for place in (*_PLACES, _TILT)),
+)
+
+OF_OWN_LEGS = frozenset(quantity.key for quantity in _OWN_LEGS)
+"""Quantities that follow the deviations of a design's single legs; all others have equal legs."""
+
 ACCURACY = in_family(
     "accuracy",
     *_from_drives("error", "err", "worst error",
@@ -127,7 +136,5 @@ ACCURACY = in_family(
                   "Linear estimate |J| δq of the error of {}", "linear", "linear_"),
     *_from_drives("rms_error", "RMS", "RMS error",
                   "RMS error of {}, from the drives, to first order", "rms", "rms_"),
-    *_from_tolerances("tolerance", "", "Worst", "worst", ""),
-    *_from_tolerances("rms_tolerance", "RMS ", "RMS", "rms", "rms_"),
-    *(_deviation(*place) for place in (*_PLACES, _TILT)),
+    *_OWN_LEGS,
 )  # fmt: skip

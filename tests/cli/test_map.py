@@ -166,3 +166,14 @@ def test_published_torques_are_compared_where_they_are(capsys, tmp_path) -> None
     run_json(capsys, *flags, "--out", str(figure), "--dpi", "60")
     run_json(capsys, *flags[:-2], "--out", str(plain), "--dpi", "60")
     assert figure.read_bytes() != plain.read_bytes()
+
+
+@pytest.mark.parametrize("quantity", ["tolerance-x", "deviation-x", "error-x", "torques"])
+def test_deviations_of_legs_are_said_to_be_left_out_where_they_are(quantity: str, capsys) -> None:
+    save_design(APPENDIX_4.vary({"leg2.bar_94": 1e-3}), "crooked.toml")
+    words = ("--quantity", quantity, "--cells", "20", "--json")
+    maps = [
+        run_json(capsys, *words, *design)["maps"] for design in ((), ("--design", "crooked.toml"))
+    ]
+    _, out, _ = run(capsys, *words[:-1], "--design", "crooked.toml")
+    assert ("legs are equal, the design's deviations" in out) == (maps[0] == maps[1])

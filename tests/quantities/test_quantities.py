@@ -34,6 +34,7 @@ from paminsa_viz.quantities import (
     formulas,
     selections,
 )
+from paminsa_viz.quantities.accuracy import OF_OWN_LEGS
 from paminsa_viz.quantities.quantity import kept_over_poses
 from paminsa_viz.quantities.requirements import (
     Requirement,
@@ -364,6 +365,18 @@ def test_quantities_are_signed_if_they_have_both_signs_and_no_others() -> None:
     signed = {key for key, item in QUANTITIES.items() if item.signed}
     assert both <= signed
     assert all(key.startswith("clearance") for key in signed - both)
+
+
+@pytest.mark.slow
+def test_quantities_of_a_design_s_own_legs_are_listed() -> None:
+    field = solve_field(LOADED.geometry, Grid.over((0.03, -0.02, 0.2, -0.45), y=[-0.02], x=[0.03]))
+    crooked = LOADED.vary({"leg2.bar_94": 1e-3, "leg3.joint_angle": 1e-3})
+    own = {
+        key
+        for key, item in QUANTITIES.items()
+        if not np.array_equal(item.over(field, crooked), item.over(field, LOADED), equal_nan=True)
+    }
+    assert own == OF_OWN_LEGS
 
 
 def test_no_bounded_quantity_grows_at_a_singularity() -> None:
