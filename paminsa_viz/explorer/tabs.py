@@ -239,11 +239,16 @@ def enter_workspace(session: Session) -> None:
 
     open_tabs, known = session.open_tabs or frozenset(), {one.name: one for one in WORKSPACES}
     name = next((name for name in known if name in open_tabs), None)
-    if name is None or name == session.state.workspace:
+    if name is None:
         return
     beside = next((one for one in BESIDE if one in open_tabs), "")
+    left_from: State | None = None
 
     def go(state: State) -> State:
+        nonlocal left_from
+        if name == state.workspace:  # asked here: on the way to another one the page may go back
+            return state
+        left_from = state
         state = replace(state, camera=camera_of(session))
         folded = left_dock(state, session.window)[1]
         if state.workspace and state.workspace != name and not folded:
@@ -252,11 +257,12 @@ def enter_workspace(session: Session) -> None:
         return switch(state, name, beside, frozenset(known[name].layers))
 
     def arrive() -> None:
+        if left_from is None:
+            return
         place(session)
-        if session.state.docks != docks:
+        if session.state.docks != left_from.docks:
             session.fit_docks()
 
-    docks = session.state.docks
     session.dispatch("workspace", go, step=False, then=arrive)
 
 
