@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import viser
 
 from paminsa_viz import app as program
 from paminsa_viz import kept
@@ -19,6 +20,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.page import build
+from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.server import memory
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes import prepare
@@ -113,6 +115,32 @@ def test_a_tab_that_left_while_its_page_was_built_leaves_no_session(
         eventually(lambda: not running.sessions)
     finally:
         running.stop()
+
+
+@pytest.mark.filterwarnings("ignore:Queued a:UserWarning")  # viser's, of what nobody receives
+def test_a_window_that_is_resized_while_the_robot_is_built_is_fitted(
+    server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    building, resized = threading.Event(), threading.Event()
+    fitted: list[tuple[float, float]] = []
+
+    def build_slowly(*_: Any, **__: Any) -> list[Any]:
+        building.set()
+        assert resized.wait(60)
+        return []
+
+    monkeypatch.setattr(page, "build_views", build_slowly)
+    monkeypatch.setattr(cameras, "fit", lambda session: fitted.append(session.window))
+    session = build(RawPage(server).client, APPENDIX_4)
+    session.bridge._deliver("window", [1280, 720])
+    session.bridge._deliver("painted", None)
+    assert building.wait(60)
+    assert not fitted
+    session.bridge._deliver("window", [900, 700])
+    resized.set()
+    eventually(lambda: fitted)
+    assert fitted == [(900, 700)]
+    session.close()
 
 
 @pytest.mark.parametrize(

@@ -160,8 +160,8 @@ def build(
         match found:
             case [float(width), float(height)] if min(width, height) >= 1:
                 session.set_window(width, height)
-                if session.immediate:  # after the view has told of its own pixels
-                    session.submit(fit_robot)
+                # In its turn: the robot may just be built, for the size that was known before.
+                session.submit(fit_robot)
 
     def take_tabs(names: object) -> None:
         if not isinstance(names, list):
