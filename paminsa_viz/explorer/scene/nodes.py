@@ -6,6 +6,7 @@ made, those that have changed are updated, and those that are gone are removed.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
@@ -204,11 +205,16 @@ def label(
 
 
 class Nodes:
-    """The nodes in a scene that one layer has drawn."""
+    """The nodes in a scene that one layer has drawn.
+
+    Labels are arranged on other threads too, whenever the camera moves: one at a time, or an older
+    arrangement could be written last.
+    """
 
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene
         self._shown: dict[str, tuple[Node, Any]] = {}
+        self._lock = threading.Lock()
 
     def holds(self, node: Node) -> bool:
         """Whether this very node is shown."""
@@ -217,24 +223,26 @@ class Nodes:
     def show(self, wanted: Iterable[Node]) -> None:
         """Show these nodes, except lines without a segment, and no others."""
         found = {node.name: node for node in wanted if len(node.live.get("points", "_"))}
-        for name in self._shown.keys() - found.keys():
-            self._shown.pop(name)[1].remove()
-        for node in found.values():
-            if not self.holds(node):
-                self._shown[node.name] = (node, self._put(node))
+        with self._lock:
+            for name in self._shown.keys() - found.keys():
+                self._shown.pop(name)[1].remove()
+            for node in found.values():
+                if not self.holds(node):
+                    self._shown[node.name] = (node, self._put(node))
 
     def arrange(self, camera: Any, pixel_ratio: float) -> bool:
         """Put labels where none covers another; return whether there are any to be kept apart."""
-        found = [each for each in list(self._shown.values()) if each[0].spaced is not None]
-        if not found:
-            return False
-        places = np.array([node.live["position"] for node, _ in found], dtype=np.float64)
-        size = found[0][0].spaced
-        if camera is not None and size is not None:
-            width, height = size
-            places = apart(places, camera, (pixel_ratio * width, pixel_ratio * height))
-        for (_, handle), place in zip(found, places, strict=True):
-            handle.position = place
+        with self._lock:
+            found = [each for each in self._shown.values() if each[0].spaced is not None]
+            if not found:
+                return False
+            places = np.array([node.live["position"] for node, _ in found], dtype=np.float64)
+            size = found[0][0].spaced
+            if camera is not None and size is not None:
+                width, height = size
+                places = apart(places, camera, (pixel_ratio * width, pixel_ratio * height))
+            for (_, handle), place in zip(found, places, strict=True):
+                handle.position = place
         return True
 
     def _put(self, node: Node) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
@@ -13,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.explorer.scene import nodes
 from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.explorer.scene.context import SceneContext
@@ -21,6 +23,7 @@ from paminsa_viz.explorer.scene.mechanism import JOINTS, NUMBER_SIZE, skeleton
 from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch
+from tests.support.raw_page import TIMEOUT
 from tests.support.scene import frame_at
 
 PLACES = st.lists(st.tuples(st.floats(-60, 60), st.floats(-60, 60)), min_size=1, max_size=8).map(
@@ -145,3 +148,41 @@ def test_numbers_of_joints_are_apart_while_the_camera_moves(ratio: int) -> None:
     view.draw(frame_at(layers=[]), False)
     look("3D")
     assert scene.labels == {}
+
+
+def test_an_arrangement_that_a_newer_frame_overtakes_is_not_written_over_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    moved: list[Any] = []
+    view = preset("3D", APPENDIX_4.geometry, aspect=0.7)
+    camera = SimpleNamespace(
+        image_height=720, on_update=moved.append, position=view.position, look_at=view.look_at,
+        up_direction=view.up, fov=view.fov,
+    )  # fmt: skip
+    scene = LabelScene()
+    context = SceneContext(cast(Any, scene), camera=camera)
+    layer = LayerView(LAYERS["skeleton"], skeleton, context)
+    layer.draw(frame_at((0.0, 0.0, 0.0, -0.55), layers=["skeleton"]), False)
+    arranging, go_on, real = threading.Event(), threading.Event(), nodes.apart
+
+    def slow(*arguments: Any) -> Any:
+        monkeypatch.setattr(nodes, "apart", real)
+        arranging.set()
+        assert go_on.wait(TIMEOUT)
+        return real(*arguments)
+
+    monkeypatch.setattr(nodes, "apart", slow)
+    frame = frame_at((0.1, 0.0, 0.5, -0.6), layers=["skeleton"])
+    older = threading.Thread(target=moved[0], args=(None,))  # on a thread of viser's
+    older.start()
+    assert arranging.wait(TIMEOUT)
+    newer = threading.Thread(target=layer.draw, args=(frame, False))
+    newer.start()
+    newer.join(0.05)  # it has to wait, or is done by now
+    go_on.set()
+    for thread in (older, newer):
+        thread.join(TIMEOUT)
+    found = {name: np.array(label.position) for name, label in scene.labels.items()}
+    layer.draw(frame, False)
+    for name, label in scene.labels.items():
+        np.testing.assert_allclose(found[name], label.position, err_msg=name)
