@@ -227,12 +227,14 @@ def _warm_up(app: App, first_tab: threading.Event) -> None:
 def _load(app: App, first_tab: threading.Event) -> None:
     """Do so."""
     importlib.import_module("paminsa_viz.explorer.page")
+    from paminsa_viz.model.backend import compile_in_background, compile_later
+
+    compile_later()  # the first maps may be drawn, and drawn again, before all of this is loaded
     first_tab.wait(FIRST_TAB_TIMEOUT)
     importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.clearance import compile_in_background as compile_clearance
     from paminsa_viz.explorer import tabs
     from paminsa_viz.meshes import prepare
-    from paminsa_viz.model.backend import compile_in_background
     from paminsa_viz.quantities import formulas
 
     prepare(app.design.geometry, fine=False)

@@ -6,7 +6,7 @@ import gc
 import threading
 import weakref
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 import viser
@@ -24,7 +24,7 @@ from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.server import memory
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes import prepare
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, backend
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from tests.support.raw_page import RawPage, eventually
 
@@ -115,6 +115,25 @@ def test_a_tab_that_left_while_its_page_was_built_leaves_no_session(
         eventually(lambda: not running.sessions)
     finally:
         running.stop()
+
+
+def test_no_page_waits_for_a_compilation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first one may draw many maps before the kernels are loaded in the background."""
+    kernels = backend._Kernels()
+    kernels.deferred = False
+    monkeypatch.setattr(backend, "_kernels", kernels)
+    assert kernels.pays(2 * backend.WORTH_LOADING)
+
+    class Over(Exception):
+        pass
+
+    class FirstTab(threading.Event):
+        def wait(self, timeout: float | None = None) -> bool:
+            assert not kernels.pays(2 * backend.WORTH_LOADING)
+            raise Over  # the rest is not loaded here
+
+    with pytest.raises(Over):
+        program._load(cast(Any, None), FirstTab())
 
 
 @pytest.mark.filterwarnings("ignore:Queued a:UserWarning")  # viser's, of what nobody receives

@@ -2,8 +2,8 @@
 
 The first compilation takes seconds, and loading it from disk most of one later. So the kernels of
 motions, and those of a formula, are loaded only once enough of their work has been requested to pay
-for it; small jobs never wait. A page calls `compile_in_background` and works on NumPy until the
-kernels are there. Where Numba is not installed all runs on NumPy.
+for it; small jobs never wait. A page calls `compile_later`, then `compile_in_background`, and works
+on NumPy until the kernels are there. Where Numba is not installed all runs on NumPy.
 """
 
 from __future__ import annotations
@@ -111,9 +111,14 @@ class _Kernels:
 _kernels = _Kernels()
 
 
+def compile_later() -> None:
+    """Run on NumPy until `compile_in_background` has ended: nothing waits for a compilation."""
+    _kernels.deferred = True
+
+
 def compile_in_background(*formulas: Formula) -> threading.Thread:
     """Load the kernels and those of formulas in a thread; until it ends all runs on NumPy."""
-    _kernels.deferred = True
+    compile_later()
     thread = threading.Thread(
         target=_kernels.load, args=formulas, name="paminsa-compile", daemon=True
     )
