@@ -128,8 +128,9 @@ class MapStore:
         """
         view, reference = state.map_view, state.document.reference
         key = (tuple(quantities), view)
-        if dragging and view.range_mode is RangeMode.AUTO and key in self._held:
-            return self._held[key]
+        held = self._held.get(key)  # once: an export of another range may drop it meanwhile
+        if dragging and view.range_mode is RangeMode.AUTO and held is not None:
+            return held
         sample = data if data.x.size == COARSE else self.data(state, COARSE, quantities)
         found = select_scales(data, sample, view)
         if view.range_mode is RangeMode.AUTO and reference is not None and not view.difference:

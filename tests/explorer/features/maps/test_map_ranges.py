@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,3 +107,21 @@ def test_maps_fade_while_a_mass_is_dragged_and_next_to_a_reference() -> None:
     # Another view is another range, also in the middle of a drag.
     logarithmic = balanced.updated("map_view", logarithmic=True)
     assert found(logarithmic, dragging=True)[0].kind == "symlog"
+
+
+def test_a_range_that_is_held_may_be_dropped_by_an_export_as_it_is_looked_up() -> None:
+    store = MapStore()
+    data = store.data(STATE, COARSE)
+    wide = store.scales(STATE, data)
+
+    class Dropped(dict[Any, Any]):
+        def __contains__(self, key: object) -> bool:
+            store._held = {}
+            return super().__contains__(key)
+
+        def get(self, key: Any, default: Any = None) -> Any:
+            store._held = {}
+            return super().get(key, default)
+
+    store._held = Dropped(store._held)
+    assert store.scales(STATE, data, dragging=True) is wide
