@@ -13,7 +13,7 @@ from paminsa_viz.plots.contours import contour_lines
 from paminsa_viz.plots.hover import cell_at, reasons
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
-from paminsa_viz.units import MM, number
+from paminsa_viz.units import MM, display_unit, number
 from paminsa_viz.version import MADE_BY
 
 LONGEST_NAME = 60
@@ -67,7 +67,10 @@ def key_numbers(design: Design) -> list[tuple[str, float, str]]:
 
 def robot(design: Design, reference: Design | None = None) -> str:
     """Return the robot that numbers belong to, as the start of a sentence."""
-    numbers = "".join(f", {equals(*each)}" for each in key_numbers(design))
+    numbers = ""
+    for symbol, value, unit in key_numbers(design):
+        display = display_unit(unit)
+        numbers += f", {equals(symbol, display.from_si(value), display.text)}"
     turning = ", load turning with the platform" if design.load.acts and design.load.turns else ""
     words = f"PAMINSA, design {shown(design.name)}, {design.geometry.knee.label}{numbers}"
     return words + turning + _minus(reference)

@@ -273,7 +273,7 @@ def test_a_caption_names_all_of_the_load_that_numbers_depend_on() -> None:
     turning = replace(beside, load=replace(beside.load, frame=LoadFrame.PLATFORM))
     centered = APPENDIX_4.vary({"load.moment_z": 2.0, "load.point_y": -0.05})
     tails = [robot(one).replace("\u00a0", " ").partition("F_x")[2] for one in (beside, turning)]
-    assert tails[0] == " = 21 N, M_x = 1.5 N m, r_y = −0.05 m"
+    assert tails[0] == " = 21 N, M_x = 1.5 N·m, r_y = −50 mm"
     assert tails[1] == f"{tails[0]}, load turning with the platform"
     assert "r_y" not in robot(centered)  # no force acts there
     no_load = replace(NO_LOAD, frame=LoadFrame.PLATFORM)
