@@ -41,7 +41,6 @@ from paminsa_viz.plots.map_values import (
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells, selections
-from paminsa_viz.quantities.accuracy import OF_OWN_LEGS
 from paminsa_viz.units import MM, format_ascii
 
 DESCRIPTION = """\
@@ -164,7 +163,7 @@ class Map(FilesFlags, ComparedDesignFlags):
             print_json(facts | {"files": self.out})
         else:
             print_blocks(maps_blocks(data, facts))
-            if OF_OWN_LEGS.isdisjoint(self.quantities):
+            if not data.own_legs:
                 print_left_out(design)
             print_written(self.out)
         if not (data.status == Limit.OK).any():

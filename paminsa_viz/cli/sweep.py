@@ -16,7 +16,7 @@ from paminsa_viz.blocks.sweep import sweep_blocks, sweep_data
 from paminsa_viz.cli.arguments import OrNone, UsageError, Words, check_needs, command_line
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, RegionFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
-from paminsa_viz.cli.output import print_blocks, print_error, print_json
+from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_left_out
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -137,6 +137,8 @@ class Sweep(JsonFlags, RegionFlags, MotionFlags, DesignFlags):
             print_json(sweep_data(self.out, latest, seconds))
         else:
             print_blocks(sweep_blocks(self.out, latest, seconds))
+            if not study.own_legs:
+                print_left_out(study.design)
         return 0
 
 

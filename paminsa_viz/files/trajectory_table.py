@@ -123,9 +123,14 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
     return dict(zip(names, values.T, strict=True))
 
 
-def robot_facts(design: Design) -> dict[str, str]:
-    """Return what names a robot in the header of a table whose numbers are of equal legs."""
-    note = equal_legs_note(design.deviations)
+def robot_facts(design: Design, *, equal_legs: bool = True) -> dict[str, str]:
+    """Return what names a robot in the header of a table.
+
+    Args:
+        design: The robot.
+        equal_legs: Whether the numbers take its legs as equal.
+    """
+    note = equal_legs_note(design.deviations) if equal_legs else ""
     names = {"design": design.name, "knee": design.geometry.knee.value}
     return names | ({"legs": note} if note else {})
 

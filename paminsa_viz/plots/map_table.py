@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.files.columns import POSE, STATUS
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.files.trajectory_table import parameter_facts
+from paminsa_viz.files.trajectory_table import parameter_facts, robot_facts
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.caption import key_numbers
 from paminsa_viz.plots.map_values import MapData
@@ -61,8 +61,7 @@ def _facts(data: MapData) -> dict[str, str]:
     facts = {
         "title": data.title,
         "unit": si_unit(data.unit),
-        "design": data.design.name,
-        "knee": data.design.geometry.knee.value,
+        **robot_facts(data.design, equal_legs=not data.own_legs),
     }
     names = ("pose x [m]", "pose y [m]", "pose theta [rad]", "pose z [m]")
     facts |= dict(zip(names, map(repr, data.pose.tolist()), strict=True))

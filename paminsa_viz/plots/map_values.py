@@ -24,6 +24,7 @@ from paminsa_viz.model.reach import Limit, check_reach, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.plots.outside import Outside
 from paminsa_viz.quantities import TORQUES, Missing, find
+from paminsa_viz.quantities.accuracy import OF_OWN_LEGS
 from paminsa_viz.units import DisplayUnit, display_unit
 
 # ---------------------------------------------------------------------------------- arrays of a map
@@ -109,6 +110,8 @@ class MapData:
         missing: Where and why poses that can be taken have no value, or None.
         bounded: Whether colors span all values: none of them explodes near a singularity.
         outside: Which cells are outside a volume of poses, which are hatched, or None.
+        own_legs: Whether values follow the deviations of the design's single legs; otherwise its
+            legs are taken as equal.
     """
 
     x: NDArray[np.float64]
@@ -129,6 +132,7 @@ class MapData:
     missing: Missing | None = None
     bounded: bool = False
     outside: Outside | None = None
+    own_legs: bool = False
 
     def __post_init__(self) -> None:
         x, y = equal_steps("x", self.x), equal_steps("y", self.y)
@@ -372,4 +376,5 @@ def map_data(
         margin=field.margin,
         leg=field.leg,
         missing=None if (why := chosen[0].missing) is None else why(field, design),
+        own_legs=not OF_OWN_LEGS.isdisjoint(quantities),
     )

@@ -13,6 +13,7 @@ from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidDesign, printable
 from paminsa_viz.files.trajectory_table import parameter_facts
 from paminsa_viz.model import backend
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import (
     APPENDIX_4,
     OPTIONAL_GROUPS,
@@ -20,6 +21,7 @@ from paminsa_viz.model.design import (
     Design,
 )
 from paminsa_viz.model.resizing import BarLaw, resized
+from paminsa_viz.quantities.accuracy import OF_OWN_LEGS
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
@@ -69,6 +71,11 @@ class Study:
     def region_metrics(self) -> tuple[Metric, ...]:
         """What is measured over the region, in the order of the table's columns."""
         return METRICS + global_indices(self.indices)
+
+    @property
+    def own_legs(self) -> bool:
+        """Whether indices follow the deviations of single legs; all else takes legs as equal."""
+        return not OF_OWN_LEGS.isdisjoint(self.indices)
 
     @property
     def size(self) -> int:
@@ -182,6 +189,7 @@ class Study:
             "format": FORMAT,
             "command": command,
             "design": self.design.name,
+            "legs": "" if self.own_legs else equal_legs_note(self.design.deviations),
             "study": self.fingerprint,
             "made by": MADE_BY,
             "rows": str(self.size),

@@ -60,6 +60,8 @@ def test_numbers_of_equal_legs_say_so_for_a_design_with_deviations(capsys) -> No
     words = ("--design", "d.toml", "--rate", "50", "--out", "motion.csv")
     _, out, _ = run("trajectory", capsys, *words)
     assert out.splitlines()[-2:] == [note, "motion.csv: written"]
+    words = ("--design", "d.toml", "--vary", "links.b3=0.3,0.4", "--cells", "4", "--out", "s.csv")
+    assert run("sweep", capsys, *words)[1].splitlines()[-1] == note
     words = ("--propose", "5", "--design", "d.toml", "--out", "poses.csv")
     assert run("calibrate", capsys, *words)[1].splitlines() == [note, "poses.csv: written"]
     assert f"# legs: {note}\n" in Path("motion.csv").read_text(encoding="utf-8")

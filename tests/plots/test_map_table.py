@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.plots.map_table import map_table, value_columns
 from paminsa_viz.plots.map_values import MapData, difference
 from paminsa_viz.quantities import TORQUES
@@ -118,6 +119,15 @@ def test_provenance_of_both_files_is_the_same() -> None:
     assert float(said["design leg2.shaft [m]"]) == 2e-4
     assert "design leg1.shaft [m]" not in said
     assert said["made by"].startswith("paminsa_viz ")
+
+
+def test_maps_of_equal_legs_say_so_for_a_design_with_deviations() -> None:
+    """Errors by tolerances follow the deviations of single legs, and so do not say it."""
+    design = APPENDIX_4.vary({"leg2.shaft": 2e-4})
+    note = equal_legs_note(design.deviations)
+    assert map_table(real(3, design=design)).provenance["legs"] == note
+    assert "legs" not in map_table(real(3)).provenance
+    assert "legs" not in map_table(real(3, design=design, quantities=("tolerance_x",))).provenance
 
 
 @pytest.mark.parametrize("name", ["two\nlines", "tab\t, comma", "\u2028", "日本", "\x00\x1b[31m"])

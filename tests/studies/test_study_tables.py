@@ -24,6 +24,7 @@ from paminsa_viz.model import (
     LoadCase,
     LoadFrame,
 )
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.studies import (
     DesignAxis,
@@ -246,6 +247,14 @@ def test_the_head_of_a_table_says_what_the_rows_follow_from() -> None:
         rest = replace(SMALL, design=design).provenance()
         assert rest["design links.b3 [kg]"] == repr(design.links.b3)
         assert rest["design load.force_x [N]"] == repr(design.load.force_x)
+
+
+def test_a_table_of_equal_legs_says_so_for_a_design_with_deviations() -> None:
+    """An index of errors by tolerances follows the deviations of single legs."""
+    assert "legs" not in SMALL.provenance()
+    study = replace(SMALL, design=APPENDIX_4.vary({"leg2.shaft": 2e-4}))
+    assert study.provenance()["legs"] == equal_legs_note(study.design.deviations)
+    assert "legs" not in replace(study, indices=("tolerance_x",)).provenance()
 
 
 def test_every_difference_makes_another_table() -> None:

@@ -37,6 +37,7 @@ from paminsa_viz.explorer.server.viser_patch import quiet
 from paminsa_viz.explorer.state.document import LastReachable
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.state import initial_state
+from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.arrays import Array, as_pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
@@ -253,6 +254,8 @@ def _notes(analysis: TrajectoryAnalysis) -> list[str]:
         f"{trajectory.duration:.4g} s. {MADE_BY}.",
         *trajectory.notes,
     ]
+    if left_out := equal_legs_note(analysis.design.deviations):
+        notes.append(f"{left_out.capitalize()}.")
     if failure is not None:
         played = "" if analysis.check.possible else " It is played up to there."
         notes.insert(0, f"The motion fails {failure.explanation}.{played}")

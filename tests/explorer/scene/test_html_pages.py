@@ -122,6 +122,13 @@ def test_failing_motion_is_played_up_to_its_failure() -> None:
 
 
 @pytest.mark.slow
+def test_page_says_that_legs_are_taken_as_equal() -> None:
+    trajectory, note = moved(0, 0, 0, 0.05), "<p>Legs are equal, the design&#x27;s deviations of"
+    assert note not in motion_html(APPENDIX_4, trajectory).decode()
+    assert note in motion_html(APPENDIX_4.vary({"leg2.bar_94": 1e-4}), trajectory).decode()
+
+
+@pytest.mark.slow
 def test_names_are_escaped_and_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
     trajectory = replace(planned("line", 50), name=NAME)
     page = motion_html(replace(APPENDIX_4, name=NAME), trajectory).decode()
