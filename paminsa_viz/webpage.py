@@ -26,6 +26,17 @@ def design_page(design: Design, requirements: Requirements | None = None) -> str
     return one_file(opening_state(design, requirements).document)
 
 
+def code_design(code: str) -> Design:
+    """Return the design that a share code describes.
+
+    Raises:
+        PaminsaError: If the code is none or damaged.
+    """
+    from paminsa_viz.explorer.core.persistence import open_share_code
+
+    return open_share_code(code).design
+
+
 def code_page(code: str) -> str:
     """Return the page with what a share code describes.
 

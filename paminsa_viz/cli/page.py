@@ -12,7 +12,7 @@ from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, check_output
 from paminsa_viz.cli.output import print_left_out, print_written
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.webpage import code_page, design_page
+from paminsa_viz.webpage import code_design, code_page, design_page
 
 DESCRIPTION = """\
 Write the explorer in one HTML file, which opens from a disk, a mail or any static host.
@@ -42,11 +42,11 @@ class Page(DesignFlags):
         others = (self.design, self.knee, self.load, self.load_point, self.load_frame)
         if self.code is not None and any(each is not None for each in others):
             raise UsageError("--code holds a whole design; leave the other flags of the robot out")
-        design = self.given_design()
         if self.code is None:
+            design = self.given_design()
             text = design_page(design, self.given_requirements())
         else:
-            text = code_page(self.code)
+            design, text = code_design(self.code), code_page(self.code)
         write_bytes(self.out, text.encode())
         print_written([self.out])
         print_left_out(design)

@@ -36,11 +36,13 @@ def test_design_and_code_are_written(capsys) -> None:
     )  # fmt: skip
     opened = opened_with("a.html")
     assert (opened.design, opened.requirements) == (LIGHT, needed)
-    save_design(LIGHT.vary({"leg2.bar_94": 1e-4}), "crooked.toml")
-    _, out, _ = run("page", capsys, "--out", "c.html", "--design", "crooked.toml")
-    assert out.splitlines()[1:] == [
-        "legs are equal, the design's deviations of single legs are left out"
-    ]
+    crooked = LIGHT.vary({"leg2.bar_94": 1e-4})
+    save_design(crooked, "crooked.toml")
+    for words in (("--design", "crooked.toml"), ("--code", share_code(Document(crooked)))):
+        _, out, _ = run("page", capsys, "--out", "c.html", *words)
+        assert out.splitlines()[1:] == [
+            "legs are equal, the design's deviations of single legs are left out"
+        ]
     assert run("page", capsys, "--out", "b.html", "--code", CODE)[0] == 0
     assert opened_with("b.html") == Document(design=LIGHT, pose=(0.01, 0.02, 0.3, -0.5))
 
