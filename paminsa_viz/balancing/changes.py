@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +34,9 @@ MASS = len(COEFFICIENTS)
 
 AMOUNTS = MASS + 1
 """Place of the first of the amounts that may change in the state."""
+
+SAME_PLACE = 1e-9
+"""Distance of counterweights that are at one place [m]."""
 
 
 @dataclass(frozen=True)
@@ -177,7 +181,23 @@ class MassSpace:
             if amount > 0
         )
         changed = self.design.vary(numbers)
-        return replace(changed, counterweights=changed.counterweights + added)
+        return replace(changed, counterweights=with_weights(changed.counterweights, added))
+
+
+def with_weights(
+    held: Sequence[Counterweight], added: Sequence[Counterweight]
+) -> tuple[Counterweight, ...]:
+    """Return counterweights with more of them; one that is added where one is makes it heavier."""
+    weights = list(held)
+    for weight in added:
+        for number, other in enumerate(weights):
+            near = abs(other.beyond - weight.beyond) < SAME_PLACE
+            if near and (other.bar, other.joint) == (weight.bar, weight.joint):
+                weights[number] = replace(other, mass=other.mass + weight.mass)
+                break
+        else:
+            weights.append(weight)
+    return tuple(weights)
 
 
 def _inertias(mass: MassRange) -> list[str]:

@@ -45,6 +45,16 @@ def space(*ranges: Any) -> Any:
     return mass_space(APPENDIX_4, Changes(masses, weights))
 
 
+def test_a_weight_that_is_added_where_one_is_makes_it_heavier() -> None:
+    """They are one disc, whose room is larger than that of either."""
+    held = (Counterweight("b3", 7, 0.2, 0.7), Counterweight("b3", 4, 0.2, 0.1))
+    design = replace(APPENDIX_4, counterweights=held)
+    changes = Changes((), (beyond("b3", 7, 0.3, 5.0),))
+    places = [(0.1 + 0.1 + 1e-16, 1.25), (0.3, 0.5)]
+    after = mass_space(design, changes).design_of([places]).counterweights
+    assert after == (replace(held[0], mass=1.95), held[1], Counterweight("b3", 7, 0.3, 0.5))
+
+
 def test_bounds_in_the_way_have_the_effect_of_a_unit_on_the_side_that_helps() -> None:
     made = space(
         MassRange("joints.j7", 0.1, 1.5), MassRange("joints.j9", 0.2, 0.3),

@@ -21,6 +21,7 @@ from paminsa_viz.balancing import (
     pareto_front,
     tornado,
 )
+from paminsa_viz.balancing.changes import with_weights
 from paminsa_viz.balancing.effects import UNITS, Effect, effects, sizes_in_motion
 from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.explorer.core.maps import COARSE
@@ -45,7 +46,6 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_values import half_width
 from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
@@ -58,9 +58,6 @@ how many poses along its sides."""
 
 MOST_POSES = 240
 """About how many poses of the motion are checked for counterweights that hit."""
-
-SAME_PLACE = 1e-9
-"""Counterweights on one bar nearer to each other than this are one [m]."""
 
 
 def run(job: BalanceJob, progress: Progress) -> Balanced | MassFront | Tornado:
@@ -142,18 +139,8 @@ def middle(job: BalanceJob) -> Grid:
 
 def tidied(design: Design) -> Design:
     """Return the design without counterweights that weigh nothing, those at one place as one."""
-    kept: list[Counterweight] = []
-    for weight in design.counterweights:
-        if weight.mass == 0:
-            continue
-        for number, other in enumerate(kept):
-            near = abs(other.beyond - weight.beyond) < SAME_PLACE
-            if near and (other.bar, other.joint) == (weight.bar, weight.joint):
-                kept[number] = replace(other, mass=other.mass + weight.mass)
-                break
-        else:
-            kept.append(weight)
-    return replace(design, counterweights=tuple(kept))
+    weights = [weight for weight in design.counterweights if weight.mass > 0]
+    return replace(design, counterweights=with_weights((), weights))
 
 
 def effects_of(job: BalanceJob, after: Design) -> tuple[Effect, ...]:
