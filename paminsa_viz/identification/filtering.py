@@ -188,7 +188,10 @@ def filter_log(
     kept = [piece for piece in pieces if piece.stop - piece.start > least]
     if not kept:
         shortest = rounded_to_side(least / log.rate, 3, up=True)
-        raise InvalidLog(f"a piece without gaps of at least {shortest:.3g} s is needed")
+        longest = max((log.t[piece][-1] - log.t[piece][0] for piece in pieces), default=0.0)
+        problem = f"a piece without gaps of at least {shortest:.3g} s is needed"
+        longest = rounded_to_side(float(longest), 3, up=False)
+        raise InvalidLog(f"{problem}; the longest is {longest:.3g} s", log=log.name)
     padding = round(SETTLING / cut_off * log.rate)
     parts, torques, times = [], [], []
     for number, piece in enumerate(kept):
@@ -223,7 +226,8 @@ def filter_log(
     status, _ = reach_status(geometry, samples.pose)
     if (status != Limit.OK).any():
         at = t[np.flatnonzero(status != Limit.OK)[0]]
-        raise InvalidLog(f"at {at:.6g} s the filtered motion is out of reach; leave this part out")
+        problem = f"at {at:.6g} s the filtered motion is out of reach; leave this part out"
+        raise InvalidLog(problem, log=log.name)
     torque = np.concatenate(torques)
     both = np.concatenate([torque, _rates(torque, samples.segment) * rate], axis=1)
     smooth = smoothed(both, samples, slow)

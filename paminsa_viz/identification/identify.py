@@ -35,6 +35,7 @@ from paminsa_viz.identification.results import (
     Estimate,
     Identification,
     Identity,
+    order_problem,
     problem_of,
     units_problem,
 )
@@ -106,7 +107,7 @@ def identify(
         raise InvalidInput("design", "identification needs gravity above 0: it weighs the robot")
     solved = log_poses(design.geometry, log, start)
     signals = filtered(log, design, settings, solved)
-    require_motion(signals)
+    require_motion(signals, log.name)
     model, blocks, solution, numbers, lag = _fit(design, signals, settings)
     quantile, error = solution.quantile, solution.deviation(model.report)
     values = model.report @ solution.x
@@ -128,7 +129,7 @@ def identify(
     )
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
-    problem = units_problem(model) or problem_of(estimates)
+    problem = units_problem(model) or order_problem(model) or problem_of(estimates)
     if problem:
         notes.append(problem)
     if settings.robustness:
@@ -176,8 +177,12 @@ def shifted(signals: Signals, lag: float) -> Signals:
     )
 
 
-def require_motion(signals: Signals) -> None:
+def require_motion(signals: Signals, log: str = "") -> None:
     """Refuse a log in which nothing moves, or an actuator's torque stays what it is.
+
+    Args:
+        signals: The filtered log.
+        log: Its name, for messages: there may be several.
 
     Raises:
         InvalidLog: If the robot hardly moves, or a torque never changes.
@@ -186,11 +191,13 @@ def require_motion(signals: Signals) -> None:
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:
         raise InvalidLog(
             "the robot hardly moves in this log (below 0.01 rad and 1 mm); record a motion that "
-            "excites it, such as that of `paminsa-viz excite`"
+            "excites it, such as that of `paminsa-viz excite`",
+            log=log,
         )
     for name, spread in zip(ACTUATORS, np.ptp(signals.torque, axis=0), strict=True):
         if spread <= RESOLUTION * np.abs(signals.torque).max():
-            raise InvalidLog(f"the torque of {name} never changes; check its sensor or column")
+            problem = f"the torque of {name} never changes; check its sensor or column"
+            raise InvalidLog(problem, log=log)
 
 
 def _moves(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +16,18 @@ from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.log import Log
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS
 
 IDENTITY_Z = 3.0
 """Size of the identity's z from which on the masses alone do not explain the log."""
 
 
 NEGATIVE_WEIGHT = "the weight is negative: the sign of force4, or of its gain, is wrong"
+
+OPPOSITE_TORQUES = (
+    "the torques of M1 to M3 are opposite to those that go with force4: check their signs, or "
+    "those of the gains"
+)
 
 WRONG_UNIT = 30.0
 """Factor between base parameters and the design's above which a unit or gain is suspected.
@@ -124,12 +131,38 @@ def units_problem(model: FitModel) -> str:
             return ""
         gains.append(float(common / own))
     factor = gains[0] / gains[1]
+    if gains[0] < 0 < gains[1]:
+        return OPPOSITE_TORQUES
     if factor < 0 or 1 / WRONG_UNIT <= factor <= WRONG_UNIT:
         return ""
     return (
         f"the torques of M1 to M3 are about {float(f'{factor:.1g}'):g} times those that go with "
         "force4: check the units of the torques [N·m] and of force4 [N], or the gains"
     )
+
+
+SWAPPED = 0.1
+"""Share of the squared residuals of M1 to M3 below which another order of their torques is right.
+
+With the example log, the right one leaves a thousandth of what a wrong one does.
+"""
+
+
+def order_problem(model: FitModel) -> str:
+    """Return that torques of M1 to M3 are in each other's columns; empty if they are not.
+
+    Such a log tells next to nothing, so that no single cause would become significant.
+    """
+    columns = model.columns[:, :3].reshape(-1, model.columns.shape[-1])
+    orders = list(permutations(range(3)))
+    torques = np.stack([model.torque[:, order].ravel() for order in orders], axis=1)
+    left = torques - columns @ np.linalg.lstsq(columns, torques, rcond=None)[0]
+    squares = (left**2).sum(axis=0)
+    best = int(squares.argmin())
+    if squares[best] >= SWAPPED * squares[0]:
+        return ""
+    found = ", ".join(ACTUATORS[place] for place in orders[best])
+    return f"the torques of M1, M2, M3 seem to stand in the columns of {found}: check their order"
 
 
 @dataclass(frozen=True)

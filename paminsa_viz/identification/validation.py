@@ -174,7 +174,7 @@ def _modeled(
     start = identification.start if start is None else start
     design, settings = identification.design, identification.settings
     signals = filtered(log, design, settings, log_poses(design.geometry, log, start))
-    require_motion(signals)
+    require_motion(signals, log.name)
     if identification.lag:
         signals = shifted(signals, identification.lag)
     return signals, fit_model(design, signals, settings)

@@ -202,4 +202,6 @@ def test_a_filtered_motion_that_leaves_the_workspace_is_named_with_its_time(
         filter_log(
             log, APPENDIX_4.geometry, pose, pieces, cut_off=8.0, transition_speed=0.01, thinning=1
         )
-    assert float(str(caught.value).split()[1]) == pytest.approx(t[2 * _REACH + lost[0]], abs=1e-9)
+    assert float(caught.value.problem.split()[1]) == pytest.approx(
+        t[2 * _REACH + lost[0]], abs=1e-9
+    )

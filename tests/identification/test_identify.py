@@ -230,8 +230,9 @@ def test_a_log_without_a_long_enough_piece_or_whose_legs_do_not_meet_is_refused(
     log = simulated(1, RUBBING, rate=200.0)
     kept = np.concatenate([np.arange(start, start + 180) for start in range(0, 3600, 200)])
     pieces = make_log(log.t[kept], log.position[kept], log.torque[kept], split=True)
-    with pytest.raises(InvalidLog, match=r"a piece without gaps of at least .* s is needed"):
-        identify(APPENDIX_4, pieces, QUICK)
+    needed = r"log cut: a piece without gaps of at least .* s is needed; the longest is 0.895 s"
+    with pytest.raises(InvalidLog, match=needed):  # of 180 rows
+        identify(APPENDIX_4, replace(pieces, name="cut"), QUICK)
     apart = log.position.copy()
     apart[:, :3] = [0.0, 2.0, 4.5]
     with pytest.raises(InvalidLog, match=r"row 1: no pose of the platform fits"):
@@ -370,8 +371,8 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     stuck = log.torque.copy()
     stuck[:, 1] = 3.0
-    with pytest.raises(InvalidLog, match="torque of M2 never changes"):
-        identify(APPENDIX_4, make_log(log.t, log.position, stuck))
+    with pytest.raises(InvalidLog, match="log stuck: the torque of M2 never changes"):
+        identify(APPENDIX_4, replace(make_log(log.t, log.position, stuck), name="stuck"))
     # a light robot, whose joints 9 are pulled up by more than M_p2, has a weight all the same
     pulled = log.torque - 2.0 * base_parameters(RUBBING)[1] * base_regressor(
         RUBBING.geometry, *multi_sine(1, RUBBING)(log.t)
@@ -382,6 +383,18 @@ def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
         assert (found.estimates[0].high < 0) == wrong
         assert found.estimates[0].high < 1
         assert found.estimates[1].high < 0
+
+
+@pytest.mark.slow
+def test_torques_in_wrong_columns_or_of_opposite_signs_are_named() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    for order, place in (((1, 0, 2, 3), "M2, M1, M3"), ((1, 2, 0, 3), "M3, M1, M2")):
+        found = identify(APPENDIX_4, make_log(log.t, log.position, log.torque[:, order]), QUICK)
+        assert f"seem to stand in the columns of {place}" in found.problem
+        assert found.problem in found.notes
+    opposite = make_log(log.t, log.position, log.torque * [-1.0, -1.0, -1.0, 1.0])
+    assert "opposite to those that go with force4" in identify(APPENDIX_4, opposite, QUICK).problem
+    assert not identify(APPENDIX_4, log, QUICK).problem
 
 
 @pytest.mark.slow
