@@ -20,7 +20,7 @@ from io import TextIOWrapper
 from types import ModuleType
 
 from paminsa_viz import interrupts
-from paminsa_viz.errors import PaminsaError, name_hint
+from paminsa_viz.errors import InvalidInput, PaminsaError, name_hint
 from paminsa_viz.version import COMMAND, __version__
 
 __all__ = ["COMMANDS", "command_module", "main"]
@@ -126,7 +126,7 @@ def _run(words: list[str]) -> int:
     import shlex
     import warnings
 
-    from paminsa_viz.cli.arguments import UsageError, command_line, parse
+    from paminsa_viz.cli.arguments import UsageError, command_line, given_flag, parse
 
     if words[:1] in (["--version"], ["-V"]):
         print(f"{COMMAND} {__version__}")
@@ -146,4 +146,10 @@ def _run(words: list[str]) -> int:
 
             announce_compilation()
         program = COMMAND if name == "start" else f"{COMMAND} {name}"
-        return parse(module.FLAGS, words, program, module.DESCRIPTION).run()
+        flags = parse(module.FLAGS, words, program, module.DESCRIPTION)
+        try:
+            return flags.run()
+        except InvalidInput as error:  # of a function, whose argument has the flag's value
+            if flag := given_flag(flags, error.argument):
+                raise UsageError(f"{flag}: {error.problem}") from error
+            raise

@@ -8,7 +8,7 @@ import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union, get_args
 
 import tyro
@@ -112,6 +112,20 @@ def check_needs(flags: Any, allowed: object, needed: str, *names: str) -> None:
     for field in fields(flags):
         if not allowed and field.name in names and getattr(flags, field.name) != field.default:
             raise UsageError(f"--{field.name.replace('_', '-')} needs {needed}")
+
+
+def given_flag(flags: Any, name: str) -> str:
+    """Return the flag of a field that has been given, such as ``--cut-off``; empty if none was.
+
+    Args:
+        flags: Instance of a command's dataclass.
+        name: Name of the field; there may be none. Of a positional argument there is no flag.
+    """
+    for field in fields(flags):
+        if field.name == name and field.default is not MISSING:
+            given = getattr(flags, name) != field.default
+            return f"--{name.replace('_', '-')}" if given else ""
+    return ""
 
 
 def one_line(message: str) -> str:

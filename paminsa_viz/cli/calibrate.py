@@ -20,7 +20,7 @@ from paminsa_viz.cli.output import (
     print_written,
     save_changed,
 )
-from paminsa_viz.errors import TableFileError
+from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.measurements import measurement_table, read_measurements
 from paminsa_viz.files.tables import save_table, table_endings
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -87,6 +87,10 @@ class Calibrate(JsonFlags, DesignFlags):
         except InvalidMeasurement as error:
             row = table.first_row + error.index
             raise TableFileError(str(self.log), error.problem, row=row) from error
+        except InvalidInput as error:
+            if error.argument == "measured":  # too few poses
+                raise TableFileError(str(self.log), error.problem) from error
+            raise
         written = []
         if self.out is not None and found.improved:
             comment = f"Calibrated by {MADE_BY} with {self.log.name}."
@@ -105,7 +109,12 @@ class Calibrate(JsonFlags, DesignFlags):
         if self.out is None:
             raise UsageError("--propose writes a table: --out FILE.csv is needed")
         design = self.given_design()
-        chosen = measuring_poses(design, poses, seed=self.seed)
+        try:
+            chosen = measuring_poses(design, poses, seed=self.seed)
+        except InvalidInput as error:
+            if error.argument == "poses":
+                raise UsageError(f"--propose: {error.problem}") from error
+            raise
         actuators = inverse_kinematics(design.geometry, chosen).actuators
         table = measurement_table(
             Measurements(actuators, chosen), design=design.name, seed=str(self.seed)

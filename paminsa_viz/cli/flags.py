@@ -160,10 +160,12 @@ class RegionFlags:
         """Return the region.
 
         Raises:
-            InvalidInput: If a number is not possible.
+            UsageError, InvalidInput: If a number is not possible.
         """
         from paminsa_viz.studies.region import default_region  # late: few commands need it
 
+        if self.radius is not None and not (math.isfinite(self.radius) and self.radius > 0):
+            raise UsageError(f"--radius: a length above 0 mm is needed, not {self.radius:g}")
         region = default_region(design)
         return replace(
             region,

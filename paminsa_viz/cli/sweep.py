@@ -17,6 +17,7 @@ from paminsa_viz.cli.arguments import OrNone, UsageError, Words, check_needs, co
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, RegionFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
 from paminsa_viz.cli.output import print_blocks, print_error, print_json, print_left_out
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -169,7 +170,10 @@ def study_of(flags: Sweep, design: Design) -> Study:
     moving = flags.preset is not None or flags.file is not None
     motion = flags.given_motion(design.geometry) if moving else None
     indices = tuple(key.replace("-", "_") for key in flags.index)
-    find(indices)  # refuses unknown ones
+    try:
+        find(indices)
+    except InvalidInput as error:
+        raise UsageError(f"--index: {error.problem}") from error
     return Study(design, variation, region, flags.scale_bars, motion, indices)
 
 

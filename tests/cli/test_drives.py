@@ -92,7 +92,7 @@ def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
         (("--cycle", "arch", "0", "0"), "repeats"),
         (("--cycle", "arch", "1", "0", "--preset", "arch"), "--cycle excludes"),
         (("--dwell", "-1"), "dwell"),
-        (("--inertia-ratio", "0"), "inertia_ratio"),
+        (("--inertia-ratio", "0"), "viz: --inertia-ratio: a"),
         (("--rows", "0"), "--rows"),
         (("--order", "color"), "--order"),
         (("--save", "robot.csv"), "--save robot.csv"),

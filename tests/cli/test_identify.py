@@ -181,6 +181,6 @@ def test_bad_logs_are_refused_in_one_line(capsys, case) -> None:
 def test_impossible_words_are_refused(capsys) -> None:
     Path("file").write_text("")
     check_refused("identify", capsys, "nothing.csv", place="nothing.csv")
-    check_refused("identify", capsys, "example", "--cut-off", "0", place="cut_off")
+    check_refused("identify", capsys, "example", "--cut-off", "0", place="viz: --cut-off: ")
     check_refused("identify", capsys, "example", "--payload", "example", "-1", place="--payload")
     check_refused("identify", capsys, "example", "--out", "file", place="file")

@@ -136,11 +136,11 @@ clearance --poses -1                                | --poses
 clearance --pose 900 0 0 -500                       | x 900 mm
 excite --max-torque -1                              | --max-torque
 excite --out motion.txt                             | .csv
-excite --rate 0                                     | rate: a finite rate above 0 is needed, not 0.0
+excite --rate 0                                     | viz: --rate: a finite rate above 0 is
 excite --rate 1e9                                   | rate: 2e+10 samples are more than 1,000,000;
 identify example --start nan 0 0 0                  | --start: four finite numbers are needed, not
 balance --change joints.j7_kg 0 1                   | did you mean joints.j7?
-excite --period 0                                   | period
+excite --period 0                                   | viz: --period: 0.5 to 1000
 loads --pose 900 0 0 -500                           | leg
 loads --pose 50 -20 10 -500 --preset arch           | --pose
 loads --preset arch --bar b4                        | --bar
@@ -172,9 +172,10 @@ sweep --out a.csv --vary links.b3 --random 0        | size
 sweep --out a.csv --vary links.b3 --random 5 --seed -1 | seed
 sweep --out a.csv --vary links.b3 --random 5 --spread 2 | --spread
 sweep --out a.csv --vary links.b3 --random 2000000000 | too many
-sweep --out a.csv --vary links.b3=1 --radius -5     | radius
-sweep --out a.csv --vary links.b3=1 --max-condition nan | max_condition
-sweep --out a.csv --vary links.b3=1 --workers 0     | workers
+sweep --out a.csv --vary links.b3=1 --radius -5     | --radius: a length above 0 mm is needed, not -
+sweep --out a.csv --vary links.b3=1 --max-condition nan | viz: --max-condition: a
+sweep --out a.csv --vary links.b3=1 --workers 0     | viz: --workers: one
+sweep --out a.csv --vary links.b3=1 --index a       | viz: --index: there is no quantity 'a'
 sweep --out a.csv --vary links.b3=1 --workers 1 --dask a | exclude
 sweep --out a.csv --vary links.b3=1 --preset arch --file a.csv | exclude
 synthesize none.toml                                | none.toml
