@@ -203,18 +203,24 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         elif isinstance(error, tomllib.TOMLDecodeError):
             reason = re.sub(r" \(at .*\)$", "", message)
             problem = f"is not valid TOML: {reason[:1].lower()}{reason[1:]}"
-            problem += _number_hint(text.split("\n")[line - 1]) if line else ""
+            problem += _value_hint(text.split("\n")[line - 1]) if line else ""
         else:
             problem = "holds a number of too many digits"
         raise DesignFileError(source, problem, line=line) from error
 
 
-def _number_hint(line: str) -> str:
-    """Return advice where a line that is no TOML looks like a number written in another way."""
+def _value_hint(line: str) -> str:
+    """Return advice where a line that is no TOML looks like a value written in another way."""
     ways = {
         r"=\s*[+-]?\d+,\d": "decimals are written with a point: 0.35",
         r"=\s*[+-]?\.\d|=\s*[+-]?\d+\.(?!\d)": "a decimal point has digits on both sides: 0.35",
         r"=\s*[+-]?[\d.]+\s*[A-Za-z]": "a value is written without its unit",
+        r"^[^#=]*:": "a key and its value have = between them",
+        r"^[^#=]*=\s*[A-Za-z]": 'text is written in quotes: name = "robot"',
+        # what word processors and web pages make of plain text
+        "^[^#]*[\u2012-\u2015\u2212]": "a minus sign is written -",
+        "^[^#]*[\u2018-\u201f]": 'quotes are written "',
+        "^[^#]*\u00a0": "it has a no-break space; write a plain one",
     }
     return next((f" ({advice})" for way, advice in ways.items() if re.search(way, line)), "")
 

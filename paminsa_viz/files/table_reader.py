@@ -285,7 +285,12 @@ def _cell_problem(cell: str) -> str:
         return MISSING
     number = read_number(cell)
     if number is None:
-        comma = read_number(cell.replace(",", ".")) is not None
-        point = "; decimals are written with a point" if comma else ""
-        return f"{shown(cell)} is not a number{point}"
+        # A comma as the decimal sign, or the sign that this program's texts have for minus.
+        ways = {",": (".", "decimals are written with a point"), "−": ("-", "minus is written -")}
+        hints = [
+            f"; {advice}"
+            for sign, (plain, advice) in ways.items()
+            if read_number(cell.replace(sign, plain)) is not None
+        ]
+        return f"{shown(cell)} is not a number{''.join(hints)}"
     return "" if np.isfinite(number) else f"{shown(cell)} is not a finite number"

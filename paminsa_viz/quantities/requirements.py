@@ -50,9 +50,8 @@ class Requirement:
         if not given:
             raise InvalidInput(self.quantity, "a least or a largest value is needed")
         if any(math.isnan(bound) for bound in given) or given != sorted(given):
-            raise InvalidInput(
-                self.quantity, f"low has to be a number below high, not {self.low} and {self.high}"
-            )
+            problem = "the least value has to be a number that is at most the largest"
+            raise InvalidInput(self.quantity, f"{problem}, not {self.low} and {self.high}")
         _check_range("theta", self.theta)
         _check_range("z", self.z)
 

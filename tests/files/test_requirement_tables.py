@@ -129,7 +129,7 @@ SPACE = HEAD + "[workspace]\n"
         (ENTRY + "max_Nm = 15.0\nheight = 3\n", 5, "no such key"),
         (ENTRY + 'max_Nm = "15"\n', 4, "a number is needed"),
         (ENTRY + "max_Nm = inf\n", 4, "finite"),
-        (ENTRY + "min_Nm = 5.0\nmax_Nm = 2.0\n", 5, "low has to be"),
+        (ENTRY + "min_Nm = 5.0\nmax_Nm = 2.0\n", 5, "the least value has to be"),
         (ENTRY + "max_Nm = 5.0\nz_min_m = 2.0\n", 5, "z_max_m is needed"),
         (ENTRY + "max_Nm = 5.0\nz_min_m = 2.0\nz_max_m = 1.0\n", 6, "below z_min_m"),
         (HEAD + '[requirements]\nquantity = "condition"\n', 2, "double brackets"),

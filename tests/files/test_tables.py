@@ -191,6 +191,7 @@ def test_a_header_alone_has_no_rows() -> None:
             2,
             "is not a number; decimals are written with a point",
         ),
+        (f"{HEAD}\n0,0,0,−0.5\n".encode(), 2, "'−0.5' is not a number; minus is written -$"),
         (HEAD.encode() + b'\n0,0,"1,0,5",0\n', 2, "'1,0,5' is not a number$"),
         (HEAD.encode() + b"\n0,0,\x80,0\n", 2, "is not a number"),
         (b"\x80x_m,y_m,theta_rad,z_m", 1, "did you mean x_m"),
