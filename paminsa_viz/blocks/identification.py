@@ -11,7 +11,7 @@ from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Figure, Note, Row, Table, heading, rows
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
-from paminsa_viz.identification.results import Estimate, Identity
+from paminsa_viz.identification.results import WRONG_UNIT, Estimate, Identity
 from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.model.statics import shown_imbalance
@@ -137,6 +137,9 @@ def unseen_note(findings: Findings) -> Note:
     return Note(f"Cannot be seen in this log: {'; '.join(findings.causes.unseen)}.", "muted")
 
 
+MASS_IN_DOUBT = ": check the payload's mass [kg] and which log it is in"
+
+
 def checks_table(findings: Findings) -> Table:
     """Return what a second log, and one with a payload, say of the numbers; empty without."""
     cells: list[tuple[str, str]] = []
@@ -155,7 +158,9 @@ def checks_table(findings: Findings) -> Table:
             ("if F_4 drifted between the logs", f"{free} kg, a drift of {drift} N"),
         ]
         if payload.gain is not None:
-            cells.append(("Common gain of the torques", interval_text(*payload.gain)))
+            doubt = "" if 1 / WRONG_UNIT <= payload.gain[0] <= WRONG_UNIT else MASS_IN_DOUBT
+            gain = f"{interval_text(*payload.gain)}{doubt}"
+            cells.append(("Common gain of the torques", gain))
     return Table(("", ""), rows(*cells), "Checks by other logs.", words=2)
 
 

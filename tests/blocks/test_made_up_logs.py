@@ -223,6 +223,9 @@ def test_checks_by_other_logs() -> None:
     assert identification.checks_table(empty).words == 2
     payload.gain = (0.98, 0.01)
     assert rows(payload=payload)[2] == ("Common gain of the torques", "0.980 ± 0.010")
+    for gain, doubted in ((0.001, True), (0.04, False), (25.0, False), (1e3, True)):
+        payload.gain = (gain, 0.01 * gain)  # a mass in grams, or a log without the payload
+        assert rows(payload=payload)[2][1].endswith("mass [kg] and which log it is in") == doubted
 
 
 # ------------------------------------------------------------------------------------- calibration
