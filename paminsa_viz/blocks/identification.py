@@ -138,6 +138,7 @@ def unseen_note(findings: Findings) -> Note:
 
 
 MASS_IN_DOUBT = ": check the payload's mass [kg] and which log it is in"
+"""After a gain that no robot has, see `WRONG_UNIT`."""
 
 
 def checks_table(findings: Findings) -> Table:
