@@ -150,6 +150,6 @@ def _run(words: list[str]) -> int:
         try:
             return flags.run()
         except InvalidInput as error:  # of a function, whose argument has the flag's value
-            if flag := given_flag(flags, error.argument):
+            if flag := given_flag(flags, error.argument.removesuffix("_mm")):
                 raise UsageError(f"{flag}: {error.problem}") from error
             raise

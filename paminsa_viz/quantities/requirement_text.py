@@ -179,6 +179,8 @@ def _quantity(name: str) -> Quantity:
 def _number(text: str, value: str, unit: str | None, entry: Quantity) -> float:
     own = entry.display
     given = _plain(unit or "")
+    if re.match(r",\d", given):
+        _refuse(text, f"decimals follow a point, not a comma: {value}{given.replace(',', '.', 1)}")
     if given and given not in (_plain(ascii_unit(own)), _plain(own.text)):
         needed = ascii_unit(own) or "no unit"
         _refuse(text, f"{entry.key} is given in {needed}, not in {(unit or '')[:20]!r}")

@@ -80,6 +80,7 @@ map --range 1 2 --out a.csv                         | --range needs --out with .
 map --full-range                                    | --full-range needs --out with .png
 map --own-ranges                                    | --own-ranges needs --out with .png
 map --dpi 90                                        | --dpi needs --out with .png
+map --width 5 --out a.png                           | --width: 50 to 1000 mm
 trajectory --width 90 --out a.html                  | --width needs --out with .png
 sweep --out a.csv --vary links.b3=1 --spread 0.3    | --spread needs --random
 sweep --out a.csv --vary links.b3=1 --seed 3        | --seed needs --random

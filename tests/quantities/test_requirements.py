@@ -170,6 +170,7 @@ def test_unit_of_every_quantity_is_understood(key: str) -> None:
         ("nothing_like_it <= 10", "there is no quantity"),
         ("max_torque <= 15 Nmm", "given in N m"),
         ("condition <= 10 mm", "no unit"),
+        ("condition <= 10,5", "not a comma: 10.5"),
         ("error_x <= 1 mm", "given in um"),
         ("|tau_1| >= 5", "a magnitude"),
         ("1 <= |tau_1| <= 5", "a magnitude"),
