@@ -109,8 +109,8 @@ def global_indices(keys: Sequence[str]) -> tuple[Metric[RegionResults], ...]:
         InvalidInput: If there is none of a key.
     """
     kinds: tuple[tuple[str, str, Callable[[Array], Any]], ...] = (
-        ("mean", "mean", np.mean),
-        ("min", "least", np.min),
+        ("mean", "mean of", np.mean),
+        ("min", "minimum of", np.min),
         ("spread", "standard deviation of", _deviation),
     )
 
