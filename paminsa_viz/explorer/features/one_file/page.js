@@ -262,7 +262,7 @@
   find("flat").hidden = !view.isMissing;
 
   const playback = createPlayback({
-    current, request: () => request(),
+    current, say, request: () => request(),
     move: (changes) => {
       moving = true;
       move(changes, "motion");

@@ -53,9 +53,9 @@ const drawCurves = (canvas, curves, times, now, unit) => {
 
 /**
  * Make the motion's controls. `current` gives the robot and its document, `move` puts the platform
- * somewhere, `release` ends a change.
+ * somewhere, `release` ends a change, `say` shows a line.
  */
-const createPlayback = ({ current, request, move, release }) => {
+const createPlayback = ({ current, request, move, release, say }) => {
   const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
   find("preset").append(option("", "none"), ...PAGE.motions.presets.map(({ key, label }) => option(key, label)));
   find("law").append(...Object.keys(PAGE.motions.laws).map((name) => option(name, name)));
@@ -66,21 +66,31 @@ const createPlayback = ({ current, request, move, release }) => {
   let key = "";
   let started = 0; // when the play began, less the motion's time [ms]; 0 at rest
   let time = 0;
+  let asked = ""; // the duration that was typed [s], empty for the preset's
 
+  /** Take the duration that is typed; one that is not possible is named and goes back. */
+  const takeDuration = () => {
+    const field = find("duration");
+    const { min, max, value } = field;
+    const isPossible = !field.validity.badInput
+      && (!value || (Number(value) >= Number(min) && Number(value) <= Number(max)));
+    if (isPossible) asked = value;
+    else field.value = asked;
+    say(isPossible ? "" : `Duration: ${min} to ${max} s is possible; nothing was changed`);
+    return isPossible;
+  };
   const prepare = () => {
     const { robot, doc } = current();
     const preset = PAGE.motions.presets.find((each) => each.key === find("preset").value);
     const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, preset?.key,
-      find("law").value, find("duration").value]);
+      find("law").value, asked]);
     if (wanted === key) return;
     key = wanted;
     motion = null;
     for (const id of SHOWN) find(id).disabled = !preset;
     for (const id of ["chart", "moment", "causes"]) find(id).hidden = !preset;
     if (!preset) return;
-    const asked = Number(find("duration").value);
-    motion = motionOf(robot, preset, find("law").value || preset.law,
-      asked >= 0.05 && asked <= 60 ? asked : 0);
+    motion = motionOf(robot, preset, find("law").value || preset.law, Number(asked));
     find("duration").placeholder = String(Number(motion.duration.toPrecision(4)));
     motion.times = Array.from({ length: SAMPLES }, (_, index) => motion.duration * index / (SAMPLES - 1));
     motion.states = motion.times.map(motion.at);
@@ -125,8 +135,9 @@ const createPlayback = ({ current, request, move, release }) => {
   });
   for (const id of ["preset", "law", "duration", "curves"])
     find(id).addEventListener("change", () => {
+      if (id === "duration" && !takeDuration()) return;
       if (id !== "curves") time = 0;
-      if (id === "preset") find("duration").value = "";
+      if (id === "preset") find("duration").value = asked = "";
       prepare();
       if (motion && id !== "curves") goTo(0);
       release();

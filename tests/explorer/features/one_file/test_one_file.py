@@ -242,6 +242,31 @@ def test_presets_play_with_torques_by_cause_in_one_step(opened: Opened) -> None:
 
 @pytest.mark.browser
 @pytest.mark.slow
+def test_a_duration_that_is_not_possible_is_refused(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    page.get_by_label("Preset").select_option("quintic")
+    duration = page.get_by_label("Duration [s]")
+    for typed in ("0.5", "100", "0.01", "-3"):
+        duration.fill(typed)
+        duration.press("Enter")
+        refused = typed != "0.5"
+        until(lambda r=refused: page.locator("#message").is_visible() == r, f"{typed} s is judged")
+        assert duration.input_value() == "0.5"
+        # the motion is that of the box, not the preset's
+        assert "over 0.50 s" in (page.locator("#chart").get_attribute("aria-label") or "")
+    assert page.locator("#message").inner_text() == (
+        "Duration: 0.05 to 60 s is possible; nothing was changed"
+    )
+    duration.fill("")
+    duration.press("Enter")
+    own = f"over {PRESET['quintic'].build(APPENDIX_4.geometry).duration:.2f} s"
+    chart = page.locator("#chart")
+    until(lambda: own in (chart.get_attribute("aria-label") or ""), "the preset's own duration")
+
+
+@pytest.mark.browser
+@pytest.mark.slow
 def test_undo_is_the_texts_while_one_is_typed_and_the_pages_after(opened: Opened) -> None:
     opened.open(share_code(OTHER))
     page = opened.page
