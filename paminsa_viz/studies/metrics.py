@@ -17,6 +17,7 @@ from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
@@ -90,7 +91,7 @@ METRICS: tuple[Metric[RegionResults], ...] = (
     Metric("singular_turn", "rad",
            "from the region to the singular angle; none if R_pl > R_b",
            lambda found: singular_rotation(found.design.geometry)
-           - max(abs(angle) for angle in found.region.theta)),
+           - float(np.abs(wrap(found.region.theta)).max())),
 )  # fmt: skip
 """Everything that is measured over a region, in the order of a table's columns."""
 

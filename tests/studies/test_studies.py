@@ -108,6 +108,13 @@ def test_metrics_are_those_of_the_poses(seed, knee) -> None:
         assert found["peak_force_N"] == pytest.approx(np.abs(torque[usable, 3]).max())
 
 
+def test_an_angle_and_a_turn_more_are_the_same_heading() -> None:
+    region = Region(radius=0.1, theta=(-0.5, 0.2), z=(-0.5,), cells=4)
+    turned = replace(region, theta=(2 * np.pi - 0.5, 0.2 - 4 * np.pi))
+    same = measure_design(APPENDIX_4, region)
+    assert measure_design(APPENDIX_4, turned) == pytest.approx(same, rel=1e-9)
+
+
 @pytest.mark.parametrize("variation", [MOVED.variation, GRID], ids=["random", "grid"])
 def test_motion_cells_are_those_of_the_analysis(variation) -> None:
     study = replace(MOVED, variation=variation)
