@@ -175,11 +175,15 @@ def test_a_path_of_one_move_is_proven_as_well(monkeypatch: pytest.MonkeyPatch) -
     below = replace(DISC, center=(x, y, z - 0.2), theta=(-0.1, 0.1))
     assert home_path(GEOMETRY, below).shape == (0, 4)
     assert seen[0] == pytest.approx((z - 0.2, z))
-    # the heading nearest to that of home
+    # the heading nearest to that of home, which a range may be whole turns away from
+    full = 2 * np.pi
     monkeypatch.setattr(
         evidence, "region_margins", lambda *_: SimpleNamespace(holds=lambda: True)
     )  # fmt: skip
-    for theta, turn in (((-0.3, -0.1), -0.1), ((0.1, 0.3), 0.1), ((-0.1, 0.3), 0.0)):
+    for theta, turn in (
+        ((-0.3, -0.1), -0.1), ((0.1, 0.3), 0.1), ((-0.1, 0.3), 0.0),
+        ((full - 0.3, full - 0.1), -0.1), ((-full - 0.1, -full + 0.3), 0.0),
+    ):  # fmt: skip
         path = home_path(GEOMETRY, replace(below, theta=theta))
         assert path[-1].tolist() == pytest.approx([x, y, turn, z - 0.2])
 

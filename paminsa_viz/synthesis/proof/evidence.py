@@ -249,11 +249,13 @@ def home_path(geometry: Geometry, region: PoseRegion) -> Array:
     """Return a path from home to a region's center, (n, 4), empty if none is proven.
 
     It moves one of z, (x, y) and theta at a time, in the first order for which every pose on the
-    way, in closed form, can be taken without a singularity.
+    way, in closed form, can be taken without a singularity. Headings of the region that are a whole
+    turn and more from home's are turned back: 350 degrees are as near to it as -10.
     """
     start = np.array(home_pose(geometry))
     x, y, z = region.center
-    goal = np.array([x, y, np.clip(0.0, *region.theta), z])
+    turns = 2.0 * np.pi * np.round(np.mean(region.theta) / (2.0 * np.pi))
+    goal = np.array([x, y, np.clip(0.0, *np.subtract(region.theta, turns)), z])
     moves = ([3], [0, 1], [2])
     for order in permutations(moves):
         path = [start]
