@@ -132,19 +132,22 @@ def test_singularities_in_the_way_as_a_share_of_both_radii() -> None:
     smaller = evaluator(theta=(-0.5, 0.3))
     assert smaller._singular(robots(0.4, 0.1)) == 0.0
     assert smaller._singular(robots(0.24, 0.15)) == pytest.approx(0.01 / 0.39, rel=1e-6)
+    turned = evaluator(theta=(2 * np.pi - 0.5, 2 * np.pi + 0.3))
+    assert turned._singular(robots(0.4, 0.1)) == 0.0
     turn = 0.13 - 0.14 * np.cos(0.5)  # and the circle is too small by 90 mm
     assert smaller._singular(robots(0.14, 0.13)) == pytest.approx((turn + 0.09) / 0.27, rel=1e-6)
     larger = evaluator(theta=(-0.5, 0.3), regime=Regime.LARGER)
     assert larger._singular(robots(0.1, 0.4)) == 0.0
     assert larger._singular(robots(0.4, 0.1)) == pytest.approx(0.3 / 0.5, rel=1e-6)
-    # beyond half a turn no circle is larger, and every turn is passed
-    far = evaluator(theta=(4.0, 5.0), regime=Regime.LARGER)
-    assert far._singular(robots(0.05, 0.06, wide=0.21)) == 0.0
+    # at half a turn no circle is larger, and every turn is passed
+    half = evaluator(theta=(3.0, 3.2), regime=Regime.LARGER)
+    assert half._singular(robots(0.05, 0.06, wide=0.21)) == 0.0
     assert evaluator(theta=(0.0, 6.28))._singular(robots(0.4, 0.1)) == pytest.approx(1.0)
     aside = evaluator(theta=(1.5, 2.0), regime=Regime.LARGER)
     assert 0 < aside._singular(robots(0.3, 0.3)) < 1e-8  # as large as each other
-    # with other headings the circle is larger: at its least distance from zero
-    for theta in ((0.3, 0.6), (-0.6, -0.3)):
+    # with other headings the circle is larger: at its least distance from zero, and from full turns
+    full = 2 * np.pi
+    for theta in ((0.3, 0.6), (-0.6, -0.3), (full - 0.6, full - 0.3), (0.3 - full, 0.6 - full)):
         away = evaluator(theta=theta, regime=Regime.LARGER)
         circle = np.sqrt(0.15**2 + 0.16**2 - 2 * 0.15 * 0.16 * np.cos(0.3))
         assert away._singular(robots(0.15, 0.16)) == pytest.approx((0.1 - circle) / 0.31, rel=1e-6)

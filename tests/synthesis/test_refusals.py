@@ -112,6 +112,9 @@ def test_quarter_turns_are_refused_where_the_platform_is_smaller() -> None:
     # 80 degrees are possible for a small platform on a large base
     turned = replace(CELL.requirements, theta=(-1.39, 1.39))
     assert refusal(replace(CELL, requirements=turned), Regime.SMALLER) is None
+    # and 340 to 350 degrees are those from -20 to -10
+    turned = replace(CELL.requirements, theta=(math.radians(340), math.radians(350)))
+    assert refusal(replace(CELL, requirements=turned), Regime.SMALLER) is None
 
 
 def test_singular_circle_bars_and_guide() -> None:

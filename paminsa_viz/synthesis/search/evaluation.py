@@ -25,6 +25,7 @@ from paminsa_viz.synthesis.search.objectives import find_objective
 from paminsa_viz.synthesis.search.region import SPARSE, TRIAL, Density, farthest
 from paminsa_viz.synthesis.search.trial import Poses, Robots, TrialRobot
 from paminsa_viz.synthesis.search.trial_masses import with_best_masses
+from paminsa_viz.synthesis.volume.reach import cosine_range
 
 REFUSED = 1e9
 """Cost from which a trial breaks a requirement; below it, all are met."""
@@ -156,16 +157,12 @@ class Evaluator:
 
     def _singular(self, robots: Robots) -> Array:
         """Return by how much singularities are in the way (p,), as a share of R_b + R_pl."""
-        theta = np.abs(self.case.requirements.theta)
-        low, high = self.case.requirements.theta
-        least = 0.0 if low <= 0.0 <= high else float(theta.min())
+        least, largest = cosine_range(*self.case.requirements.theta)
         rb = np.array([g.base_radius for g in robots.geometries])
         rp = np.array([g.platform_radius for g in robots.geometries])
         far = np.array([farthest(w) for w in robots.workspaces])
-        circle = np.sqrt(rb**2 + rp**2 - 2 * rb * rp * np.cos(min(least, np.pi)))
-        turn = (
-            rb * np.cos(min(theta.max(), np.pi)) - rp if self.regime is Regime.SMALLER else rp - rb
-        )
+        circle = np.sqrt(rb**2 + rp**2 - 2 * rb * rp * largest)
+        turn = rb * least - rp if self.regime is Regime.SMALLER else rp - rb
         return (np.maximum(far - circle, 0.0) + np.maximum(-turn, 0.0)) / (rb + rp) + (
             (far >= circle) | (turn <= 0)
         ) * 1e-9

@@ -26,6 +26,7 @@ from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.synthesis.search.case import GUIDE, Guide, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.region import extent, farthest, ray
+from paminsa_viz.synthesis.volume.reach import cosine_range
 from paminsa_viz.units import format_ascii
 
 
@@ -56,16 +57,16 @@ def refusal(case: SynthesisCase, regime: Regime) -> str | None:
 def _turn(case: SynthesisCase, regime: Regime) -> str | None:
     if regime is Regime.LARGER:
         return None
-    most = max(map(abs, case.requirements.theta))
+    least_cosine = float(cosine_range(*case.requirements.theta)[0])
     ratio = case.least("geometry.platform_radius") / case.most("geometry.base_radius")
     if ratio >= 1:
         return "R_pl is above R_b all over their ranges"
-    if math.cos(min(most, math.pi)) > ratio:
+    if least_cosine > ratio:
         return None
     return (
-        f"theta = {format_ascii(most, 'rad')} is required, and with R_pl < R_b every position is "
-        f"singular at |theta| = acos(R_pl/R_b), which is below 90 deg; within the ranges of R_pl "
-        f"and R_b it is at most {format_ascii(math.acos(ratio), 'rad', up=False)}"
+        f"theta = {format_ascii(math.acos(least_cosine), 'rad')} is required, and with R_pl < R_b "
+        "every position is singular at |theta| = acos(R_pl/R_b), which is below 90 deg; within the "
+        f"ranges of R_pl and R_b it is at most {format_ascii(math.acos(ratio), 'rad', up=False)}"
     )
 
 
