@@ -136,6 +136,7 @@ def test_a_requirement_counts_at_the_ends_of_its_ranges() -> None:
         (0.1 - 0.9e-9, -0.55, True), (0.1 - 1.1e-9, -0.55, False), (0.2 + 0.9e-9, -0.55, True),
         (0.2 + 1.1e-9, -0.55, False), (0.15, -0.6, True), (0.15, -0.5, True),
         (0.15, -0.6001, False), (0.15, -0.4999, False),
+        (0.15 - 2 * np.pi, -0.55, True), (0.25 + 2 * np.pi, -0.55, False),
     ):  # fmt: skip
         assert counts(needed, bound, theta, z) is expected
     sizes = [

@@ -19,7 +19,7 @@ from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
-from paminsa_viz.synthesis.volume.reach import ReachBounds, reach_bounds
+from paminsa_viz.synthesis.volume.reach import ReachBounds, contains, reach_bounds
 
 
 class CauseKind(Enum):
@@ -162,7 +162,7 @@ def cause_slice(
 def counts(requirements: Requirements, bound: Requirement, theta: float, z: float) -> bool:
     """Say whether a requirement is about a heading [rad] and a height [m]."""
     low, high = requirements.headings(bound)
-    turned = low - _TURN_SLACK <= theta <= high + _TURN_SLACK
+    turned = bool(contains(low - _TURN_SLACK, high + _TURN_SLACK, theta))
     return turned and (bound.z is None or bound.z[0] <= z <= bound.z[1])
 
 
