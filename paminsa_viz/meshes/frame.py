@@ -23,7 +23,7 @@ from paminsa_viz.meshes.solids import (
     beam,
     box,
     fan,
-    flat_ring,
+    flat_rings,
     loft,
     moved,
     prism,
@@ -57,9 +57,8 @@ def ground(radius: float, place: FrameLayout) -> MeshPart:
     step = 0.2
     while radius > MOST_CIRCLES * step:
         step *= 10
-    for line in np.arange(step, radius - 0.05, step):
-        part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
-    return part
+    lines = np.arange(step, radius - 0.05, step)
+    return part.add("line", flat_rings(lines, 0.0036, top + 0.0006, 60)) if len(lines) else part
 
 
 def base(radius: float, place: FrameLayout, knee: KneeBranch) -> MeshPart:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any
 
 import numpy as np
 import trimesh
@@ -56,15 +55,33 @@ def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     """Return a mesh whose vertices are split along its edges; see `CREASE`."""
     mesh.merge_vertices(merge_norm=True)
     mesh.update_faces(mesh.nondegenerate_faces())
-    angle, flat = (PLAIN_CREASE, None) if is_plain() else (CREASE, FLAT_SHARE)
-    smooth = trimesh.graph.smooth_shade(mesh, angle=angle, facet_minarea=flat)
-    patches = smooth.metadata.get("original_components")
-    if patches is None:  # not split
-        return smooth
-    # trimesh orders them by sorts whose ties fall differently on other processors
-    ordered = sorted((np.sort(patch) for patch in patches), key=lambda patch: patch[0])
-    joined: Any = mesh.submesh(ordered, only_watertight=False, append=True)
-    return joined
+    creased = mesh.face_adjacency_angles < (PLAIN_CREASE if is_plain() else CREASE)
+    joined = mesh.face_adjacency[creased]
+    if not is_plain():
+        areas = mesh.area_faces
+        flat = [facet for facet in mesh.facets if areas[facet].sum() > mesh.area / FLAT_SHARE]
+        alone = np.zeros(len(mesh.faces), dtype=bool)
+        for facet in flat:
+            alone[facet] = True
+        joined = joined[~alone[joined].any(axis=1)]
+        joined = np.vstack([joined, *(np.column_stack([f[:-1], f[1:]]) for f in flat)])
+    return _split(mesh, joined)
+
+
+def _split(mesh: trimesh.Trimesh, joined: Array) -> trimesh.Trimesh:
+    """Return a mesh of patches without common vertices, from the pairs of faces in one (n, 2).
+
+    Patches are in the order of their first faces, on every processor and with every trimesh.
+    """
+    count = len(mesh.faces)
+    labels = trimesh.graph.connected_component_labels(joined, node_count=count)
+    _, first, patch = np.unique(labels, return_index=True, return_inverse=True)
+    patch = np.argsort(np.argsort(first))[patch]
+    order = np.argsort(patch, kind="stable")
+    corners = np.asarray(mesh.faces)[order] + (patch[order] * len(mesh.vertices))[:, None]
+    kept, faces = np.unique(corners, return_inverse=True)
+    vertices = mesh.vertices[kept % len(mesh.vertices)]
+    return trimesh.Trimesh(vertices, faces.reshape(-1, 3), process=False)
 
 
 def _made_once(kind: str, numbers: Array, make: Callable[[], trimesh.Trimesh]) -> trimesh.Trimesh:
@@ -181,10 +198,17 @@ def tube(
     return revolve([(inner, bottom), *side, (inner, top), (inner, bottom)], segments)
 
 
-def flat_ring(inner: float, outer: float, height: float, segments: int) -> trimesh.Trimesh:
-    """Return a ring about z that is only seen from above; a disc if ``inner`` is 0."""
-    profile = [(outer, height), (inner, height)]
-    return shaded(trimesh.creation.revolve(profile, sections=segments))
+def flat_rings(radii: Array, width: float, height: float, segments: int) -> trimesh.Trimesh:
+    """Return rings about z that are only seen from above, by the radii of their middles (n,)."""
+    angle = 2 * np.pi / segments * np.arange(segments)
+    edges = np.stack([radii + width / 2, radii - width / 2], axis=1)[:, None, :, None]
+    level = edges * np.stack([np.cos(angle), np.sin(angle)], axis=1)[:, None]
+    vertices = np.concatenate([level, np.full((*level.shape[:3], 1), height)], axis=3)
+    outer = 2 * np.arange(segments)
+    after = np.roll(outer, -1)
+    ring = np.stack([outer, after, outer + 1, outer + 1, after, after + 1], axis=1)
+    faces = ring.reshape(-1, 3) + 2 * segments * np.arange(len(radii))[:, None, None]
+    return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), process=False)
 
 
 def fan(outline: Array, height: float) -> trimesh.Trimesh:

@@ -84,6 +84,16 @@ def test_large_flat_sides_are_shaded_flat_next_to_round_corners() -> None:
     assert corners == pytest.approx(np.repeat(plate.face_normals[large][:, None], 3, axis=1))
 
 
+def test_rings_lie_around_their_radii_and_face_up() -> None:
+    radii, width = np.array([0.2, 0.4]), 0.01
+    rings = solids.flat_rings(radii, width, 0.3, 600)
+    assert rings.area == pytest.approx(2 * np.pi * radii.sum() * width, rel=1e-4)
+    assert rings.face_normals == pytest.approx(np.tile([0.0, 0.0, 1.0], (len(rings.faces), 1)))
+    assert set(rings.vertices[:, 2]) == {0.3}
+    found = np.unique(np.hypot(*rings.vertices[:, :2].T).round(9))
+    assert found == pytest.approx([0.195, 0.205, 0.395, 0.405])
+
+
 def test_turning_keeps_normals_with_the_faces() -> None:
     rotation = solids.turn("x", 0.7) @ solids.turn("z", 0.3)
     box = solids.box((0.1, 0.2, 0.3))
