@@ -63,10 +63,9 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cut_off", [1.0, 2.0])
-def test_intervals_of_a_low_cut_off_cover_the_truth_as_often(cut_off: float) -> None:
+def test_intervals_of_a_low_cut_off_cover_the_truth_as_often() -> None:
     """A part of the motion is above 1 Hz, and residuals are correlated over a second."""
-    settings = replace(QUICK, cut_off=cut_off)
+    settings = replace(QUICK, cut_off=1.0)
     errors = [
         errors_over_half_widths(
             identify(DESIGN, simulated(motion, DESIGN, noise_seed=noise, rate=RATE), settings)

@@ -49,7 +49,7 @@ from tests.support.documentation import missing
 def test_search_is_reproducible_by_its_seed() -> None:
     def poses(seed: int):
         settings = ExcitationSettings(
-            period=PERIOD, evaluations=6, random=3, seconds=1e4, seed=seed
+            period=PERIOD, samples=250, evaluations=6, random=3, seconds=1e4, seed=seed
         )
         return optimize_excitation(ROBOT, limits_of(ROBOT), settings).plan.sample(50.0).pose
 
