@@ -113,12 +113,12 @@ def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once
         (f"{HEAD}\n0,0,0,{'v' * 5000}\n", 2, "z_m", "is not a number"),
     ],
 )
-@pytest.mark.parametrize("rows_at_once", [1, 2, 1000])
-def test_a_refused_pose_is_named_by_row_and_column(text, row, column, words, rows_at_once) -> None:
-    error = check_refused(read, text, rows_at_once)
-    assert (error.row, error.column) == (row, column)
-    assert words in str(error)
-    assert row is None or f"in.csv, row {row}" in str(error)
+def test_a_refused_pose_is_named_by_row_and_column(text, row, column, words) -> None:
+    for rows_at_once in (1, 2, 1000):
+        error = check_refused(read, text, rows_at_once)
+        assert (error.row, error.column) == (row, column)
+        assert words in str(error)
+        assert row is None or f"in.csv, row {row}" in str(error)
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,6 @@ from paminsa_viz.units import rounded_to_side, unit_text
 from tests.support import samples
 from tests.support.samples import possible_values
 
-EACH = pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda p: p.path)
 NO_NUMBERS = [math.nan, math.inf, -math.inf, 10**400, -(10**400), True, False, "0.3", "", [0.3]]
 NO_NUMBERS += [0.3 + 0.0j, Fraction(1, 3), Decimal("0.3"), np.array(0.3), np.True_, {}]
 STROKE = "geometry.guide_stroke"
@@ -118,64 +117,70 @@ def expect_refusal(parameter: Parameter, value: Any) -> None:
         assert isinstance(error, ValueError)
 
 
-@EACH
-def test_what_is_no_finite_number_is_refused(parameter: Parameter) -> None:
-    for value in NO_NUMBERS:
-        expect_refusal(parameter, value)
+def test_what_is_no_finite_number_is_refused() -> None:
+    for parameter in PARAMETERS:
+        for value in NO_NUMBERS:
+            expect_refusal(parameter, value)
 
 
-@EACH
+@pytest.mark.slow
 @given(share=st.floats(1e-9, 1.0, exclude_max=True), power=st.integers(0, 200))
-def test_a_number_outside_its_range_is_refused(parameter: Parameter, share, power) -> None:
-    least, most = possible_range(parameter.unit, parameter.positive)
-    beyond = most / share * 10.0**power
-    wrong = [beyond, -beyond] if parameter.signed else [beyond, -least, -share]
-    if least > 0:
-        wrong.append(least * share / 10.0**power)
-    if parameter.positive:
-        wrong += [0.0, -0.0, 0]
-    if parameter.path != STROKE:
-        wrong.append(None)
-    for value in wrong:
-        if value != 0 or parameter.positive or value is None:
-            expect_refusal(parameter, value)
+def test_a_number_outside_its_range_is_refused(share: float, power: int) -> None:
+    for parameter in PARAMETERS:
+        least, most = possible_range(parameter.unit, parameter.positive)
+        beyond = most / share * 10.0**power
+        wrong = [beyond, -beyond] if parameter.signed else [beyond, -least, -share]
+        if least > 0:
+            wrong.append(least * share / 10.0**power)
+        if parameter.positive:
+            wrong += [0.0, -0.0, 0]
+        if parameter.path != STROKE:
+            wrong.append(None)
+        for value in wrong:
+            if value != 0 or parameter.positive or value is None:
+                expect_refusal(parameter, value)
 
 
-@EACH
+@pytest.mark.slow
 @given(data=st.data())
-def test_a_number_in_its_range_is_kept_to_the_last_bit(parameter: Parameter, data) -> None:
-    value = data.draw(possible_values(parameter))
-    try:
-        design = set_value(parameter, value)
-    except InvalidDesign as error:
-        assert error.field == "geometry.coupler_length" or value < 1 + SMALLEST  # noqa: PT017
-        return
-    assert design.value(parameter.path) == value
-    assert design == APPENDIX_4.vary({parameter.path: value})
-    others = [p.path for p in PARAMETERS if p.path != parameter.path]
-    if parameter.path == "geometry.guide_link_length":
-        others.remove(STROKE)  # follows it
-        assert design.value(STROKE) == value
-    assert [design.value(p) for p in others] == [APPENDIX_4.value(p) for p in others]
-    assert (design == APPENDIX_4) == (value == parameter.default and parameter.path != STROKE)
+def test_a_number_in_its_range_is_kept_to_the_last_bit(data: st.DataObject) -> None:
+    for parameter in PARAMETERS:
+        value = data.draw(possible_values(parameter), label=parameter.path)
+        try:
+            design = set_value(parameter, value)
+        except InvalidDesign as error:
+            assert error.field == "geometry.coupler_length" or value < 1 + SMALLEST  # noqa: PT017
+            continue
+        assert design.value(parameter.path) == value
+        assert design == APPENDIX_4.vary({parameter.path: value})
+        others = [p.path for p in PARAMETERS if p.path != parameter.path]
+        if parameter.path == "geometry.guide_link_length":
+            others.remove(STROKE)  # follows it
+            assert design.value(STROKE) == value
+        assert [design.value(p) for p in others] == [APPENDIX_4.value(p) for p in others]
+        assert (design == APPENDIX_4) == (value == parameter.default and parameter.path != STROKE)
 
 
-@EACH
-def test_a_refusal_in_words_is_one_of_the_design(parameter: Parameter) -> None:
+def test_a_refusal_in_words_is_one_of_the_design() -> None:
     """At the ends of the range of a number, and one step beyond them."""
-    least, most = possible_range(parameter.unit, parameter.positive)
-    ends = [(most, True), (math.nextafter(most, math.inf), False), (0.0, not parameter.positive)]
-    ends += [(-most, parameter.signed), (-math.nextafter(most, math.inf), False)]
-    if parameter.positive:
-        ends += [(least, True), (math.nextafter(least, 0.0), False)]
-    for value, possible in ends:
-        text = parameter.refusal(value, parameter.display)
-        assert (text is None) == possible
-        if text is not None:
-            shown = most * parameter.display.factor
-            assert f"{shown:g}" in text
-            expect_refusal(parameter, value)
-    assert parameter.largest == most
+    for parameter in PARAMETERS:
+        least, most = possible_range(parameter.unit, parameter.positive)
+        ends = [
+            (most, True),
+            (math.nextafter(most, math.inf), False),
+            (0.0, not parameter.positive),
+        ]
+        ends += [(-most, parameter.signed), (-math.nextafter(most, math.inf), False)]
+        if parameter.positive:
+            ends += [(least, True), (math.nextafter(least, 0.0), False)]
+        for value, possible in ends:
+            text = parameter.refusal(value, parameter.display)
+            assert (text is None) == possible
+            if text is not None:
+                shown = most * parameter.display.factor
+                assert f"{shown:g}" in text
+                expect_refusal(parameter, value)
+        assert parameter.largest == most
 
 
 def test_loads_are_none_or_large_enough_to_be_multiplied() -> None:
@@ -355,15 +360,15 @@ def test_a_counterweight_is_at_its_joint_and_weighs_nothing_unless_it_is_said() 
         assert repr(Counterweight("b3", joint)) == repr(Counterweight("b3", 7))
 
 
-@EACH
-def test_a_refusal_names_the_ends_in_the_unit_that_is_shown(parameter: Parameter) -> None:
-    least, most = possible_range(parameter.unit, parameter.positive)
-    if parameter.limits:
-        least, most = parameter.limits
-    fine = [most, least] if parameter.positive else [most, 0.0]
-    wrong = [2 * most, -2 * most] + ([0.5 * least, 0.0] if parameter.positive else [])
-    assert all(parameter.refusal(value, parameter.display) is None for value in fine)
-    for value in wrong + ([] if parameter.signed else [-most]):
-        refused = parameter.refusal(value, parameter.display)
-        assert refused
-        assert parameter.display.text in refused
+def test_a_refusal_names_the_ends_in_the_unit_that_is_shown() -> None:
+    for parameter in PARAMETERS:
+        least, most = possible_range(parameter.unit, parameter.positive)
+        if parameter.limits:
+            least, most = parameter.limits
+        fine = [most, least] if parameter.positive else [most, 0.0]
+        wrong = [2 * most, -2 * most] + ([0.5 * least, 0.0] if parameter.positive else [])
+        assert all(parameter.refusal(value, parameter.display) is None for value in fine)
+        for value in wrong + ([] if parameter.signed else [-most]):
+            refused = parameter.refusal(value, parameter.display)
+            assert refused
+            assert parameter.display.text in refused

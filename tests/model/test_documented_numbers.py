@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.files.design_schema import KEYS, DesignKey
+from paminsa_viz.files.design_schema import KEYS
 from paminsa_viz.model import APPENDIX_4, PARAMETER
 from paminsa_viz.model.parameters import LARGEST, LARGEST_OTHER, SMALLEST, SMALLEST_OF
 
@@ -39,33 +39,31 @@ def test_all_tables_of_numbers_are_on_the_page() -> None:
     assert len(WITH_TABLE) > 90
 
 
-@pytest.mark.parametrize("key", WITH_TABLE, ids=[key.path for key in WITH_TABLE])
-def test_a_number_has_its_documented_default_and_sign(key: DesignKey) -> None:
-    default, allowed = DOCUMENTED[key.table, key.name]
-    path, value = key.parameter.path, APPENDIX_4.value(key.parameter.path)
-    if default == "rigid":  # a file leaves it out
-        assert value == math.inf
-    elif default != "as l_B10":
-        assert float(default) == pytest.approx(value, rel=1e-5)
-    least = 1.5 if allowed == "above 1" else 10 * SMALLEST
-    if key.parameter.unit in SMALLEST_OF:
-        least = 10 * SMALLEST_OF[key.parameter.unit]
+def is_taken(path: str, number: float) -> bool:
+    """Whether a number is possible, or refused for what it is beside other numbers alone."""
+    try:
+        APPENDIX_4.vary({path: number})
+    except InvalidDesign as error:
+        if "above" in str(error) or "0 or more" in str(error) or "is needed" in str(error):
+            return False
+        return PARAMETER[path].signed
+    return True
 
-    def taken(number: float) -> bool:
-        item = PARAMETER[path]
-        try:
-            APPENDIX_4.vary({path: number})
-        except InvalidDesign as error:
-            if "above" in str(error) or "0 or more" in str(error) or "is needed" in str(error):
-                return False
-            return item.signed  # refused for what it is beside other numbers
-        return True
 
-    parameter = PARAMETER[path]
-    assert parameter.positive == (allowed in ("above 0", "above 1"))
-    assert parameter.signed == (allowed == "any number")
-    assert taken(0.0) == (allowed in ("0 or more", "any number"))
-    assert taken(-least) == (allowed == "any number")
+def test_numbers_have_their_documented_defaults_and_signs() -> None:
+    for key in WITH_TABLE:
+        default, allowed = DOCUMENTED[key.table, key.name]
+        parameter = key.parameter
+        path, value = parameter.path, APPENDIX_4.value(parameter.path)
+        if default == "rigid":  # a file leaves it out
+            assert value == math.inf, path
+        elif default != "as l_B10":
+            assert float(default) == pytest.approx(value, rel=1e-5), path
+        least = 1.5 if allowed == "above 1" else 10 * SMALLEST_OF.get(parameter.unit, SMALLEST)
+        assert PARAMETER[path].positive == (allowed in ("above 0", "above 1")), path
+        assert PARAMETER[path].signed == (allowed == "any number"), path
+        assert is_taken(path, 0.0) == (allowed in ("0 or more", "any number")), path
+        assert is_taken(path, -least) == (allowed == "any number"), path
 
 
 def test_numbers_have_ends_beyond_which_there_is_no_machine() -> None:

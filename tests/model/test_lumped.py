@@ -148,7 +148,7 @@ def only(design: Design, path: str) -> Design:
 
 
 @pytest.mark.slow
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(case=cases())
 def test_each_mass_alone_has_the_energies_of_its_rigid_body(case: Case) -> None:
     """One unit mass or inertia at a time, placed and moved by first principles."""
