@@ -39,7 +39,7 @@ from tests.trajectory.crossings import BALANCED, TEN, TURN
 
 @pytest.fixture(scope="module")
 def motion():  # type: ignore[no-untyped-def]
-    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(2000)
+    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(500)
 
 
 @pytest.mark.slow

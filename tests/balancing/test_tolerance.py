@@ -42,7 +42,7 @@ def test_mass_spread_agrees_with_robots_of_three_different_legs() -> None:
     found = mass_tolerance(BALANCED, 0.02, pose)
     rng = np.random.default_rng(0)
     drawn = []
-    for _ in range(150):
+    for _ in range(60):
         legs = [
             BALANCED.vary({p: BALANCED.value(p) * (1 + rng.uniform(-0.02, 0.02)) for p in LEG})
             for _ in range(3)
