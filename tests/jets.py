@@ -32,38 +32,39 @@ class Jet:
     def __neg__(self) -> Jet:
         return Jet(-self.a, -self.b, -self.c)
 
-    def __add__(self, other: Any) -> Jet:
-        o = _jet(other)
+    def __add__(self, o: Any) -> Jet:
+        if not isinstance(o, Jet):
+            return Jet(self.a + o, self.b, self.c)
         return Jet(self.a + o.a, self.b + o.b, self.c + o.c)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Jet:
-        return self + (-_jet(other))
+    def __sub__(self, o: Any) -> Jet:
+        if not isinstance(o, Jet):
+            return Jet(self.a - o, self.b, self.c)
+        return Jet(self.a - o.a, self.b - o.b, self.c - o.c)
 
-    def __rsub__(self, other: Any) -> Jet:
-        return _jet(other) - self
+    def __rsub__(self, o: Any) -> Jet:
+        return Jet(o - self.a, -self.b, -self.c)
 
-    def __mul__(self, other: Any) -> Jet:
-        o = _jet(other)
+    def __mul__(self, o: Any) -> Jet:
+        if not isinstance(o, Jet):
+            return Jet(self.a * o, self.b * o, self.c * o)
         return Jet(
             self.a * o.a, self.a * o.b + self.b * o.a, self.a * o.c + self.b * o.b + self.c * o.a
         )
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Jet:
-        o = _jet(other)
+    def __truediv__(self, o: Any) -> Jet:
+        if not isinstance(o, Jet):
+            return Jet(self.a / o, self.b / o, self.c / o)
         a = self.a / o.a
         b = (self.b - a * o.b) / o.a
         return Jet(a, b, (self.c - a * o.c - b * o.b) / o.a)
 
-    def __rtruediv__(self, other: Any) -> Jet:
-        return _jet(other) / self
-
-
-def _jet(value: Any) -> Jet:
-    return value if isinstance(value, Jet) else Jet(value)
+    def __rtruediv__(self, o: Any) -> Jet:
+        return Jet(o) / self
 
 
 def sqrt(x: Any) -> Any:

@@ -33,9 +33,14 @@ def add(a: Vector, b: Vector, scale: Any = 1.0) -> Vector:
     return (a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2])
 
 
+def minus(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
 def between(a: Vector, b: Vector, share: float = 0.5) -> Vector:
     """The point at ``share`` of the way from a to b."""
-    return add(a, add(b, a, -1.0), share)
+    return add(a, minus(b, a), share)
 
 
 def cross(a: Vector, b: Vector) -> Vector:
@@ -86,13 +91,13 @@ def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int) -> Leg:
         y + g.platform_radius * sin(theta + angle),
         z + g.platform_joint_height,
     )
-    outward = add((p5[0], p5[1], 0.0), base, -1.0)
+    outward = minus((p5[0], p5[1], 0.0), base)
     heading = unit(outward)
     distance = sqrt(dot(outward, outward))
     p8 = add(base, heading, -1.0 * distance / (k - 1.0))
     p3 = (base[0], base[1], p5[2] / k)
     # The knee: l_B8 from 8 and l_B4 from 5, in the leg's plane; law of cosines in triangle 8-9-5.
-    span = add(p5, p8, -1.0)
+    span = minus(p5, p8)
     length = sqrt(dot(span, span))
     along = unit(span)
     normal = cross(UP, heading)
@@ -100,7 +105,7 @@ def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int) -> Leg:
     foot = (length * length + g.crank_length**2 - g.coupler_length**2) / (2.0 * length)
     height = sqrt(g.crank_length**2 - foot * foot)
     p9 = add(add(p8, along, foot), above, -design.geometry.knee.sign * height)
-    link = add(p5, p9, -1.0)
+    link = minus(p5, p9)
     points = {
         2: (base[0], base[1], p3[2] + g.shaft_length),
         3: p3,
@@ -131,7 +136,7 @@ def bodies(design: Design, q: tuple[Any, Any, Any, Any]) -> list[Body]:
             Body(f"{tag}B2", links.b2, between(p[3], p[2]), upright, (0, 0, inertias.b2_vertical))
         )
         for name, start, end in (("b3", 7, 4), ("b4", 9, 5), ("b7", 8, 7), ("b8", 8, 9)):
-            axis = unit(add(p[end], p[start], -1.0))
+            axis = unit(minus(p[end], p[start]))
             across = getattr(inertias, f"{name}_transverse")
             found.append(
                 Body(
