@@ -339,8 +339,8 @@ def test_slower_logs_give_the_same(rate: float) -> None:
 
 @pytest.mark.slow
 def test_opt_in_numbers_are_found() -> None:
-    log = simulated(2, RUBBING)
-    late = make_log(log.t[5:], log.position[5:], log.torque[:-5])
+    log = simulated(2, RUBBING, rate=200.0)
+    late = make_log(log.t[1:], log.position[1:], log.torque[:-1])
     found = identify(APPENDIX_4, late, replace(QUICK, delay=True))
     assert found.estimate("delay").value == pytest.approx(5e-3, abs=1e-3)
     assert found.estimate("delay").half_width < 1e-3

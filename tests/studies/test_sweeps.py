@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
+import tracemalloc
 from itertools import permutations
 from typing import Any
 
@@ -18,6 +16,7 @@ from paminsa_viz.model import (
     Design,
     Grid,
     Limit,
+    backend,
     check_reach,
     measure_singularity,
     static_torques,
@@ -130,36 +129,22 @@ def test_poses_near_a_singularity_do_not_count_if_so_asked(block: int) -> None:
     assert found.largest_at["max_torque"] == tuple(place)
 
 
-_MEASURE = """
-import json, sys, tracemalloc
-import numpy as np
-from paminsa_viz.model import APPENDIX_4, Grid, backend
-from paminsa_viz.studies.sweeps import sweep
-
-backend.compile_now()
-names = ("x", "y", "theta", "z")
-spans = ((-0.3, 0.3), (-0.3, 0.3), (-1.0, 1.0), (-0.9, -0.2))
-quantities = ("max_torque", "condition")
-for sizes in json.loads(sys.argv[1]):
-    axes = {n: np.linspace(*s, size) for n, s, size in zip(names, spans, sizes)}
-    grid = Grid.over((0.0, 0.0, 0.0, -0.5), **axes)
-    tracemalloc.start()
-    summary = sweep(APPENDIX_4, grid, quantities, block=int(sys.argv[2]))
-    print(summary.poses, tracemalloc.get_traced_memory()[1])
-    tracemalloc.stop()
-"""
-
-
 def test_memory_does_not_grow_with_the_sweep() -> None:
-    """400,000 poses, 6.4 MB of results if kept, whichever axis is the long one."""
-    block = 2**13
-    sizes = [(400_000, 1, 1, 1), (1, 1, 1, 400_000), (100, 100, 8, 5), (8, 5, 100, 100)]
-    out = subprocess.run(
-        [sys.executable, "-c", _MEASURE, json.dumps(sizes), str(block)],
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    lines = [line.split() for line in out.stdout.splitlines()]
-    assert [int(poses) for poses, _ in lines] == [400_000] * 4
-    assert max(int(peak) for _, peak in lines) < 400 * block  # 50 numbers a pose of the block
+    """200,000 poses, 3.2 MB of results if kept, whichever axis is the long one."""
+    block, keys = 2**12, ("max_torque", "condition")
+    spans = {"x": (-0.3, 0.3), "y": (-0.3, 0.3), "theta": (-1.0, 1.0), "z": (-0.9, -0.2)}
+    backend.compile_now()
+    sweep(APPENDIX_4, Grid.over(FIXED), keys)  # or the kernels would count
+    for sizes in ((200_000, 1, 1, 1), (1, 1, 1, 200_000), (100, 50, 8, 5), (8, 5, 50, 100)):
+        axes = {
+            name: np.linspace(*spans[name], size) for name, size in zip(spans, sizes, strict=True)
+        }
+        grid = Grid.over(FIXED, **axes)
+        tracemalloc.start()
+        try:
+            summary = sweep(APPENDIX_4, grid, keys, block=block)
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        assert summary.poses == 200_000
+        assert peak < 400 * block, sizes  # 50 numbers a pose of the block

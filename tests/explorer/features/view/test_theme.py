@@ -102,12 +102,12 @@ def test_maps_have_the_theme_around_the_cells_and_the_same_cells(ground: Theme) 
 @pytest.mark.slow
 def test_exported_maps_are_light_on_every_page() -> None:
     store, one = MapStore(), actions.move(STATE, theta=0.5)
-    one = one.updated("export", single=True, width=90.0, dpi=100.0)
-    auto, light, dark = (
+    one = one.updated("export", single=True, width=90.0, dpi=50.0)
+    light, dark = (
         exports.figure(replace(one, appearance=appearance), store, "png")
-        for appearance in Appearance
+        for appearance in (Appearance.LIGHT, Appearance.DARK)
     )
-    assert auto == light == dark
+    assert light == dark
 
 
 @BOTH
