@@ -80,7 +80,7 @@ from paminsa_viz.precision.manufacture import monte_carlo
 from paminsa_viz.precision.measurements import simulated_measurements
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.studies import DesignAxis, DesignGrid, Study, processes, run_study
+from paminsa_viz.studies import DesignAxis, DesignGrid, Study, run_study
 from paminsa_viz.studies.region import RegionResults, default_region
 from paminsa_viz.synthesis import SynthesisResult, synthesize
 from paminsa_viz.synthesis.proof.certificate import prove
@@ -244,9 +244,8 @@ def _sweep(folder: Path) -> Said:
     design, motion = robot()
     axes = DesignGrid((DesignAxis("joints.j7", (0.1, 0.3)),))
     region = replace(default_region(design), theta=(0.0,))
-    with processes(1) as workers:
-        found = run_study(Study(design, axes, region, False, motion, ()), folder / "a.csv", workers)
     path = folder / "a.csv"
+    found = run_study(Study(design, axes, region, False, motion, ()), path)
     return sweep.sweep_blocks(path, found, 1.0), sweep.sweep_data(path, found, 1.0)
 
 
@@ -326,7 +325,7 @@ def test_every_file_of_words_is_a_subject_here() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("mujoco")
+@pytest.mark.usefixtures("mujoco", "built_in_few_rounds")
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_blocks_are_set_and_data_is_json(subject: str, tmp_path: Path, capsys: Any) -> None:
     blocks, data = SUBJECTS[subject](tmp_path)

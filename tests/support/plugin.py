@@ -82,6 +82,19 @@ def report_of_the_motion(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(page, f"{key}_section", lambda _, key=key: Section(key, key, ()))
 
 
+@pytest.fixture(scope="module")
+def built_in_few_rounds() -> Iterator[None]:
+    """Look in few rounds at whether robots can be built, where how exactly is not the point."""
+    from paminsa_viz.synthesis.search import extremes
+    from paminsa_viz.synthesis.search.buildability import buildability
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(extremes, "ROUNDS", 4)
+        yield
+    kept: Any = buildability
+    kept.__wrapped__.cache_clear()  # other modules ask for all rounds
+
+
 @pytest.fixture
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make reports with empty pictures, where what is drawn is not the point."""

@@ -35,7 +35,6 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.answer.prices import RequirementPrice
-from paminsa_viz.synthesis.search import extremes
 from paminsa_viz.synthesis.search.case import DEFAULT_PATHS, Effort, Regime
 from paminsa_viz.synthesis.search.front import DesignFront, FrontPoint
 from paminsa_viz.synthesis.search.result import SynthesisResult
@@ -44,15 +43,11 @@ from tests.support.samples import enlarged, prototype_times
 from tests.support.tables import assert_parts, tables_in
 from tests.support.tasks import delivered
 
+pytestmark = pytest.mark.usefixtures("built_in_few_rounds")
+
 PANEL = SYNTHESIZE
 
 EASY = (Requirement("condition", high=10.0),)
-
-
-@pytest.fixture(autouse=True)
-def short_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Look at whether robots can be built in few rounds; tests of `synthesis` have all of them."""
-    monkeypatch.setattr(extremes, "ROUNDS", 4)
 
 
 @pytest.fixture
