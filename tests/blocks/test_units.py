@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.balancing import balance
+from paminsa_viz.blocks import forces
 from paminsa_viz.blocks.accuracy import drive_blocks, manufacture_blocks
 from paminsa_viz.blocks.balance import balance_blocks, optimum_blocks
 from paminsa_viz.blocks.design import design_blocks
@@ -37,7 +38,7 @@ from paminsa_viz.plots.map_values import map_data, workspace_field
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
-from paminsa_viz.studies.region import RegionResults, default_region
+from paminsa_viz.studies.region import Region, RegionResults, default_region
 from paminsa_viz.synthesis.volume.check import check_requirements
 from paminsa_viz.synthesis.volume.grid import Resolution
 from paminsa_viz.synthesis.volume.solve import solve_volume
@@ -266,17 +267,15 @@ COUNTED = {"forces": 2e-3, "stiffness": 2e-3}
 others change, in parts."""
 
 
-SLOW = ("simulation", "stiffness")
-"""Those that take more than a second."""
-
-PARAMETERS = [
-    pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in SUBJECTS
-]
+def coarse_region(design: Design) -> Region:
+    """The default region in few cells."""
+    return replace(default_region(design), cells=10)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("subject", PARAMETERS)
-def test_numbers_scale_as_their_units_say(subject: str) -> None:
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_numbers_scale_as_their_units_say(subject: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forces, "default_region", coarse_region)
     design, motion = robot()
     pose = np.array(POSE)
     before = SUBJECTS[subject](design, motion, pose, 1.0)
