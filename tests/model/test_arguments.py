@@ -125,6 +125,7 @@ def same(one: Any, other: Any) -> None:
         assert type(one) is type(other)
 
 
+@pytest.mark.slow
 def test_a_design_is_taken_wherever_a_geometry_is_with_the_same_result() -> None:
     assert len(TAKING) >= 40
     for function in TAKING.values():
