@@ -18,7 +18,7 @@ from paminsa_viz.model.singularity import singular_rotation
 from paminsa_viz.report.page import COLORS, template
 from paminsa_viz.report.request import Section
 from paminsa_viz.units import NONE, symbols_html
-from tests.blocks.test_units import PARAMETERS, SUBJECTS, robot
+from tests.blocks.test_units import SUBJECTS, robot
 
 NO_NUMBER = re.compile(r"\b(nan|NaN|None|inf)\b")
 HYPHEN = re.compile(r"(?<![\w.−])-(?=[\d.])| - |\)-")
@@ -62,7 +62,7 @@ def check_set(blocks: Sequence[Block], capsys: Any) -> None:
                 assert cell in page or unescape(symbols_html(cell)) in page, cell
 
 
-@pytest.mark.parametrize("subject", [one for one in PARAMETERS if one.values[0] != "simulation"])
+@pytest.mark.parametrize("subject", [name for name in SUBJECTS if name != "simulation"])
 def test_what_has_no_value_is_a_dash_or_a_reason(subject: str) -> None:
     """At a singular pose, with a motion that is out of reach from its start."""
     design, _ = robot()
