@@ -11,6 +11,7 @@ place; 130 stopped with Ctrl-C.
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -93,8 +94,11 @@ def _exit_code(words: list[str]) -> int:
     except (PaminsaError, OSError) as error:
         from paminsa_viz.cli.output import print_error
 
+        found: Exception = error
+        if isinstance(error, OSError) and error.errno == errno.ENOSPC and error.filename is None:
+            found = _output_error(error)  # of a long text, which was not kept until the end
         with suppress(OSError):  # the error stream may be lost, too
-            print_error(error)
+            print_error(found)
         code = 2
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -116,9 +120,13 @@ def _flush_output() -> None:
     except BrokenPipeError:
         raise
     except OSError as error:
-        from paminsa_viz.files.atomic import as_file_error
+        raise _output_error(error) from error
 
-        raise as_file_error("the output", error, "written") from error
+
+def _output_error(error: OSError) -> Exception:
+    from paminsa_viz.files.atomic import as_file_error
+
+    return as_file_error("the output", error, "written")
 
 
 def _run(words: list[str]) -> int:
