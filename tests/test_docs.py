@@ -86,7 +86,7 @@ def test_the_first_page_leads_to_every_page() -> None:
 
 @pytest.mark.slow
 def test_site_is_built_without_warnings_and_its_search_finds_all_public_names(tmp_path) -> None:
-    """Signatures stay on one line: a process for each that is broken takes a quarter of the time."""
+    """Signatures stay on one line, as a process for each broken one takes a quarter of the time."""
     building = pytest.importorskip("mkdocs.commands.build")
     pytest.importorskip("mkdocstrings")
     config = import_module("mkdocs.config").load_config(

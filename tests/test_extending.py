@@ -153,7 +153,7 @@ assert found.passed, found.worst
 def test_a_mass_with_its_slider_takes_three_files(tmp_path) -> None:
     package = tmp_path / "paminsa_viz"
     source = Path(paminsa_viz.__file__).parent
-    shutil.copytree(source, package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(source, package, ignore=shutil.ignore_patterns("*.nb?"))
     for name, changes in CHANGES.items():
         text = (package / name).read_text()
         for old, new in [changes] if isinstance(changes[0], str) else changes:

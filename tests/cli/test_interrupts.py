@@ -52,8 +52,13 @@ def begin(words: str, folder: Path) -> subprocess.Popen[bytes]:
     return process
 
 
-@pytest.mark.parametrize("delay", [0.02, 0.15, 0.5, 1.5])
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("command", "delay"),
+    [
+        ("help", 0.02), ("help", 0.15), ("balance", 0.3), ("balance", 0.6), ("report", 0.3),
+        ("report", 1.5), ("sweep", 0.5), ("start", 0.5), ("start", 1.0),
+    ],
+)  # fmt: skip
 def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> None:
     process = begin(COMMANDS[command], tmp_path)
     with suppress(subprocess.TimeoutExpired):
