@@ -17,7 +17,6 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from numba import njit
 
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.codegen import controller_kit
@@ -162,11 +161,12 @@ def pinocchio_tree() -> Any:
 
 def one_by_one(e: Any, m: Any) -> Any:
     """Return the formula compiled by Numba for one state after the other."""
-    compiled.register(robot.inverse_dynamics_kernel)
+    digest = compiled.register(robot.inverse_dynamics_kernel)
     kernel = robot.inverse_dynamics_kernel
 
-    @njit(error_model="numpy", fastmath={"contract"})
+    @compiled.kernel(error_model="numpy", fastmath={"contract"})
     def run(m, e, rows, out):  # type: ignore[no-untyped-def]
+        _ = digest
         for i in range(len(rows)):
             r = rows[i]
             values = kernel(

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.model import (
@@ -38,6 +37,9 @@ DESIGN = APPENDIX_4
 GEOMETRY = DESIGN.geometry
 ENGINE_STATES = 300
 """States given to an engine; its cost a state does not depend on their number."""
+
+SIDES = (200, 500, 1000, 2000)
+"""Cells along the sides of the maps that threads share."""
 
 LARGEST = 7
 """Exponent of the largest sweep's poses."""
@@ -123,7 +125,7 @@ def static_map() -> None:
 def sharing() -> None:
     """Time static torques on larger maps by one and by two threads."""
     rows = []
-    for side in (200, 500, 1000, 2000):
+    for side in SIDES:
         grid = fig3_grid(side)
         one, two = (
             best(lambda n=n, g=grid: rotary_torques(DESIGN, g, threads=n)) / grid.size
@@ -231,7 +233,7 @@ def memory(exponent: int) -> None:
     print(f"Peak memory: {before:.0f} MB before, {swept}.")
 
 
-@njit(error_model="numpy", fastmath={"contract"})
+@compiled.kernel(error_model="numpy", fastmath={"contract"})
 def _roots(x, out):  # type: ignore[no-untyped-def]
     """Do the divisions and roots of a static map's pose and nothing else."""
     for i in range(x.size):
@@ -241,7 +243,7 @@ def _roots(x, out):  # type: ignore[no-untyped-def]
         out[i] = 0.5 / e + 0.5 / f + 0.5 / g + 1.0 / (a + 4.0)
 
 
-@njit(error_model="numpy")
+@compiled.kernel(error_model="numpy")
 def _store(out):  # type: ignore[no-untyped-def]
     for i in range(out.size):
         out[i] = 1.0

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.trajectory import PRESETS, MotionLimits
+from paminsa_viz.model import APPENDIX_4, Grid
+from paminsa_viz.trajectory import PRESET, PRESETS, ControlMode, MotionLimits
 from tests.cli.test_synthesize import CASE
 
 pytestmark = pytest.mark.slow
@@ -23,6 +23,10 @@ NAMES = sorted({path.stem for path in FOLDER.glob("*.py")} - {"__init__", "measu
 
 SMALLEST: dict[str, dict[str, Any]] = {
     "accuracy_speed": {"CELLS": 6},
+    "balancing_speed": {
+        "workspace": lambda: Grid.over((0.0, 0.0, 0.1, -0.5), z=[-0.6, -0.4], x=[-0.1, 0.0, 0.1]),
+        "motion": lambda: PRESET["arch"].build(APPENDIX_4.geometry).sample(20.0),
+    },
     "calibration_speed": {"CELLS": 6},
     "certificate_speed": {"BOXES": 64, "TOLERANCES": (0.1,)},
     "clearance_speed": {"CELLS": 6},
@@ -32,7 +36,7 @@ SMALLEST: dict[str, dict[str, Any]] = {
     "identification_coverage": {"LOGS": {"8 s": (8.0, 0.5)}},
     "identification_speed": {"SECONDS": 6.0, "RATE": 100.0},
     "loads_speed": {"CELLS": 37},
-    "model_speed": {"ENGINE_STATES": 3, "LARGEST": 4},
+    "model_speed": {"ENGINE_STATES": 3, "LARGEST": 4, "SIDES": (20,)},
     "stiffness_speed": {"CELLS": 15},
     "synthesis_speed": {"TRIALS": 3},
     "time_optimal": {
@@ -41,6 +45,7 @@ SMALLEST: dict[str, dict[str, Any]] = {
         "PRESETS": PRESETS[:2],
         "CASES": {"limits": (APPENDIX_4, MotionLimits(speed=1.0, torque=6.0))},
     },
+    "trajectory_speed": {"ControlMode": tuple(ControlMode)[:1]},
 }
 IN_A_BROWSER = ("goals", "one_file_speed", "page_latency", "page_tasks")
 """They start explorers and browsers of their own."""
@@ -72,7 +77,7 @@ def test_benchmark_runs_at_its_smallest(
         # what is drawn of a robot may overlap: its clearance would take longest
         monkeypatch.setattr(module, "load_case", partial(module.load_case, allow_overlap=True))
     if name == "trajectory_speed":
-        short = module.PLAN.lasting(0.5)
+        short = module.PLAN.lasting(0.2)
         monkeypatch.setattr(module, "PLAN", short)
         monkeypatch.setattr(module, "SAMPLES", short.sample(100.0))
     if name == "volume_speed":
