@@ -53,7 +53,7 @@ def test_gallery_lists_every_script() -> None:
 
 def shorter(settings: ExcitationSettings) -> ExcitationSettings:
     """Return settings of a short search for a short motion, which shows as much."""
-    return replace(settings, evaluations=settings.evaluations // 2, random=16, periods=1)
+    return replace(settings, evaluations=settings.evaluations // 4, random=8, periods=1, period=4.0)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)

@@ -9,6 +9,8 @@ the payload changes the torques by no more than a given share.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +20,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory import Trajectory, analyze
-from paminsa_viz.trajectory.integrals import rms
+from paminsa_viz.trajectory.integrals import time_weights
 
 SLOWEST, FASTEST = 1e3, 1e-3
 """Time scalings between which one is looked for."""
@@ -41,7 +43,8 @@ class PayloadChange(NamedTuple):
     rms: float
 
 
-class _Torques(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Torques:
     """Torques of M1..M3 on a motion (n, 3) [N m]: at rest, dynamic without and with the payload."""
 
     t: Array
@@ -49,11 +52,17 @@ class _Torques(NamedTuple):
     bare: Array
     full: Array
 
+    @cached_property
+    def weights(self) -> Array:
+        """Of the samples in a mean over time (n,)."""
+        t = self.t
+        return time_weights(t) / (t[-1] - t[0]) if len(t) > 1 else np.ones(1)
+
     def change(self, slower: float) -> PayloadChange:
         without = self.gravity + self.bare / slower**2
         carrying = self.gravity + self.full / slower**2
         peak = np.abs(without).max(axis=0)
-        mean, loaded = rms(self.t, np.stack([without, carrying], axis=1))
+        mean, loaded = (np.sqrt(self.weights @ torques**2) for torques in (without, carrying))
         return PayloadChange(
             float((np.abs(carrying - without).max(axis=0) / peak).max()),
             float(np.abs(np.abs(carrying).max(axis=0) / peak - 1).max()),
