@@ -26,6 +26,7 @@ DOCS = ROOT / "docs"
 PAGES = sorted(
     [*DOCS.glob("*.md"), *ROOT.glob("*.md"), ROOT / "examples/README.md", *ROOT.glob("bench*/*.md")]
 )
+OF_TODAY = [page for page in PAGES if page.stem != "CHANGELOG"]
 GENERATOR = runpy.run_path(str(DOCS / "generate.py"))
 GENERATED = GENERATOR["PAGES"]
 
@@ -49,27 +50,29 @@ def anchors(path: Path) -> set[str]:
     return {re.sub(r"\s", "-", head) for head in plain}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_targets_of_links_and_pictures_exist(page) -> None:
-    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
-    for target in re.findall(r"\]\(([^)\s]+)\)", text):
-        if re.match(r"https?:|mailto:", target):
-            continue
-        place, _, anchor = target.partition("#")
-        found = (page.parent / place).resolve() if place else page
-        assert found.exists(), f"{name_of(page)} links to {target}"
-        if page.parent == DOCS:
-            assert found.is_relative_to(DOCS), f"{target} is outside the site of {page.name}"
-        if anchor:
-            assert anchor in anchors(found), f"{name_of(page)} links to {target}"
+@pytest.mark.slow
+def test_targets_of_links_and_pictures_exist() -> None:
+    for page in PAGES:
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+        for target in re.findall(r"\]\(([^)\s]+)\)", text):
+            if re.match(r"https?:|mailto:", target):
+                continue
+            place, _, anchor = target.partition("#")
+            found = (page.parent / place).resolve() if place else page
+            assert found.exists(), f"{name_of(page)} links to {target}"
+            if page.parent == DOCS:
+                assert found.is_relative_to(DOCS), f"{target} is outside the site of {page.name}"
+            if anchor:
+                assert anchor in anchors(found), f"{name_of(page)} links to {target}"
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
-def test_modules_that_pages_name_exist(page) -> None:
-    for named in re.findall(r"`(paminsa_viz(?:\.[a-z_\d]+)+)`", page.read_text(encoding="utf-8")):
-        module, _, last = named.rpartition(".")
-        found = hasattr(import_module(module), last) or find_spec(named)
-        assert found, f"{name_of(page)} names {named}"
+def test_modules_that_pages_name_exist() -> None:
+    for page in OF_TODAY:
+        named = re.findall(r"`(paminsa_viz(?:\.[a-z_\d]+)+)`", page.read_text(encoding="utf-8"))
+        for path in named:
+            module, _, last = path.rpartition(".")
+            found = hasattr(import_module(module), last) or find_spec(path)
+            assert found, f"{name_of(page)} names {path}"
 
 
 def test_every_page_is_in_the_menu() -> None:
@@ -143,12 +146,13 @@ def commands() -> list[str]:
     return sorted(found)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("parsers_made_once")
-@pytest.mark.parametrize("words", commands())
-def test_flags_of_commands_in_the_documentation_are_known(words) -> None:
+def test_flags_of_commands_in_the_documentation_are_known() -> None:
     """Their flags are known; what they would do is the business of other tests."""
-    name, *rest = shlex.split(words)[1:]
-    assert parse(command_module(name).FLAGS, rest, name, "")
+    for words in commands():
+        name, *rest = shlex.split(words)[1:]
+        assert parse(command_module(name).FLAGS, rest, name, ""), words
 
 
 def test_commands_over_two_lines_can_be_pasted_into_a_shell() -> None:
@@ -211,7 +215,8 @@ def test_pages_write_units_of_torque_in_one_way() -> None:
     """So do the helps of flags, which one of them is made of."""
     for page in PAGES:
         text = re.sub(r"^ *```.*?^ *```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
-        wrong = re.findall(r".*(?:\bN m\b|kg m²).*", re.sub(TYPED, "", text))
+        lines = re.sub(TYPED, "", text).splitlines()
+        wrong = [line for line in lines if re.search(r"\bN m\b|kg m²", line)]
         assert not wrong, name_of(page)
 
 
@@ -235,15 +240,15 @@ def test_texts_for_people_write_units_of_torque_as_the_pages_do() -> None:
         assert {text for text in wrong if not re.fullmatch(r"N m( s)?(/rad)?", text)} == set(), path
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p.stem != "CHANGELOG"], ids=name_of)
-def test_paths_to_sections_that_pages_name_exist(page) -> None:
+def test_paths_to_sections_that_pages_name_exist() -> None:
     """A workspace and its section, as *Robot, Load* or in words; the folder *File > Export*."""
     known = {tuple(path.split("/")) for path in sections()} | {("File", "Export")}
-    text = re.sub(r"\s+", " ", page.read_text(encoding="utf-8"))
-    paths = re.findall(r"(?<!\*)\*([A-Z]\w+(?:(?:, | → | > )[A-Z]\w+)+)\*(?!\*)", text)
-    named = [tuple(re.split(", | → | > ", path)[:2]) for path in paths]
-    named += re.findall(r"workspace \*(\w+)\*, section \*(\w+)\*", text)
-    assert known.issuperset(named), f"{name_of(page)} names {named}"
+    for page in OF_TODAY:
+        text = re.sub(r"\s+", " ", page.read_text(encoding="utf-8"))
+        paths = re.findall(r"(?<!\*)\*([A-Z]\w+(?:(?:, | → | > )[A-Z]\w+)+)\*(?!\*)", text)
+        named = [tuple(re.split(", | → | > ", path)[:2]) for path in paths]
+        named += re.findall(r"workspace \*(\w+)\*, section \*(\w+)\*", text)
+        assert known.issuperset(named), f"{name_of(page)} names {named}"
 
 
 @pytest.mark.slow

@@ -194,7 +194,8 @@ class Gone(io.StringIO):
 def test_files_are_written_though_nobody_reads_what_is_printed(
     monkeypatch: pytest.MonkeyPatch, words: str
 ) -> None:
-    assert main(["calibrate", "--propose", "40", "--out", "poses.csv"]) == 0
+    if words.startswith("calibrate"):
+        assert main(["calibrate", "--propose", "40", "--out", "poses.csv"]) == 0
     table = words.startswith(("loads", "trajectory", "requirements"))
     monkeypatch.setattr(sys, "stdout", Gone())
     assert main([*words.split(), "out.csv" if table else "out.toml"]) == 1
@@ -215,7 +216,8 @@ def test_a_design_that_is_changed_keeps_its_requirements(words: str) -> None:
     workspace = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2))
     needed = Requirements((Requirement("condition", high=8.0),), (-0.3, 0.3), workspace)
     save_design(APPENDIX_4, "robot.toml", requirements=needed)
-    assert main(["calibrate", "--propose", "40", "--out", "poses.csv"]) == 0
+    if words.startswith("calibrate"):
+        assert main(["calibrate", "--propose", "40", "--out", "poses.csv"]) == 0
     folder = words.startswith("identify")
     out = "found" if folder else "out.toml"
     assert main([*words.split(), out, "--design", "robot.toml"]) == 0

@@ -36,7 +36,7 @@ def test_one_command_makes_it(folder, capsys) -> None:
     assert "reference &quot;Heavy&quot;: can run it too" in text
 
 
-@pytest.mark.usefixtures("report_of_the_motion")
+@pytest.mark.usefixtures("report_of_the_motion", "without_pictures")
 def test_the_motion_may_cross_a_singularity(folder, capsys) -> None:
     Path("poses.csv").write_text(
         "t_s,x_m,y_m,theta_rad,z_m\n0,0.03,0.02,0.8,-0.5\n1,0.03,0.02,1.75,-0.5\n"

@@ -145,7 +145,7 @@ CENTERED = ("--cylinder", "300", "400", "--center", "0", "0", "-600")
 
 @pytest.mark.slow
 def test_largest_proven_workspace_with_its_gap(capsys) -> None:
-    words = ("largest", *PROVABLE, *CENTERED, "--grow", "horizontal", "--tolerance", "10")
+    words = ("largest", *PROVABLE, *CENTERED, "--grow", "horizontal", "--tolerance", "40")
     code, out, err = run("requirements", capsys, *words)
     assert (code, err) == (0, "")
     assert out.startswith('design "Appendix 4"\nLargest proven workspace: cylinder d 3')
@@ -153,7 +153,7 @@ def test_largest_proven_workspace_with_its_gap(capsys) -> None:
     assert "condition <= 10 breaks at x" in out
     data = run_json("requirements", capsys, *words)
     assert data["found"]
-    assert 0 < data["gap_m"] <= 0.01
+    assert 0 < data["gap_m"] <= 0.04
     assert data["limit_m"][0] - data["size_m"][0] == pytest.approx(data["gap_m"])
     assert [item["verdict"] for item in data["evidence"]] == ["proven"] * 6
 
