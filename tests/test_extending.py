@@ -144,7 +144,7 @@ assert np.abs(mass_matrix(stopped, pose) - mass_matrix(APPENDIX_4, pose)).max() 
 save_design(stopped, "stopped.toml")
 assert "j10_kg = 0.7" in open("stopped.toml").read()
 assert main(["design", "check", "stopped.toml"]) == 0
-found = verify(stopped, PRESET["arch"].build(stopped.geometry).sample(rate=20.0))
+found = verify(stopped, PRESET["arch"].build(stopped.geometry).lasting(0.3).sample(rate=50.0))
 assert found.passed, found.worst
 """
 

@@ -68,7 +68,7 @@ def test_every_command_answers_or_refuses_in_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     save_design(design, "d.toml")
-    write_short_motion(Path("short.csv"))
+    write_short_motion(Path("short.csv"), 0.1)
     for command in COMMANDS:
         attempt(command)
         if Path("out.xml").exists():

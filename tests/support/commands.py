@@ -49,9 +49,9 @@ def check_refused(command: str, capsys, *words: str, place: str) -> None:
     assert {path: path.read_bytes() for path in Path().iterdir() if path.is_file()} == before
 
 
-def write_short_motion(path: Path) -> None:
-    """Write a motion of 0.3 s, 31 samples, as a table that commands read."""
-    t = paper_like(APPENDIX_4.geometry).lasting(0.3).sample(100)
+def write_short_motion(path: Path, duration: float = 0.3) -> None:
+    """Write a motion [s], 100 samples a second, as a table that commands read."""
+    t = paper_like(APPENDIX_4.geometry).lasting(duration).sample(100)
     rows = np.column_stack([t.t, t.pose, t.velocity, t.acceleration]).tolist()
     lines = [TRAJECTORY.columns[: len(rows[0])], *(map(repr, row) for row in rows)]
     path.write_text("\n".join(map(",".join, lines)) + "\n")
