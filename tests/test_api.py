@@ -10,11 +10,11 @@ import re
 import runpy
 import subprocess
 import sys
-import textwrap
 import types
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -92,13 +92,18 @@ def test_every_field_is_documented() -> None:
             assert re.search(rf"\b{item.name}\b", text), f"{place}.{item.name}"
 
 
+@cache
+def _classes(file: str) -> dict[str, ast.ClassDef]:
+    """Return the classes that a file defines, by their names."""
+    body = ast.parse(Path(file).read_text(encoding="utf-8")).body
+    return {node.name: node for node in body if isinstance(node, ast.ClassDef)}
+
+
 def _below(value: type) -> set[str]:
     """Return the fields of a class that have a text below them."""
-    body = ast.parse(textwrap.dedent(inspect.getsource(value))).body[0]
-    assert isinstance(body, ast.ClassDef)
     return {
         item.target.id
-        for item, after in pairwise(body.body)
+        for item, after in pairwise(_classes(inspect.getfile(value))[value.__name__].body)
         if isinstance(item, ast.AnnAssign)
         and isinstance(item.target, ast.Name)
         and isinstance(after, ast.Expr)
