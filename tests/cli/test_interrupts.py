@@ -60,6 +60,7 @@ def begin(words: str, folder: Path) -> subprocess.Popen[bytes]:
     ],
 )  # fmt: skip
 def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> None:
+    """As it starts, which is alike for all, as its modules are imported, and as it works."""
     process = begin(COMMANDS[command], tmp_path)
     with suppress(subprocess.TimeoutExpired):
         process.communicate(timeout=delay)

@@ -43,6 +43,7 @@ def test_flags_reach_the_explorer_with_and_without_its_command(
     assert started == [options]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [["--help"], ["-h"], ["design", "-h"]])
 def test_help_goes_to_the_screen_and_starts_nothing(started, capsys, words) -> None:
     with pytest.raises(SystemExit) as stop:
