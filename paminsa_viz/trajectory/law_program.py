@@ -204,21 +204,23 @@ class LawProgram:
         above = np.where(eased, 0.0, terms.rate)
         square = terms.square + above / (2.0 * tangent)
         right = 1.0 - terms.constant - 0.5 * above * tangent
+        kept = np.where(eased, terms.rate, 0.0) * tangent
         # all of the first limit, then of the next
-        count = right.shape[1]
-        kept = (np.where(eased, terms.rate, 0.0) * tangent).T.ravel()
-        rows = np.flatnonzero(kept)
+        rows = _strictest(right.T, terms.growth.T, square.T, kept.T)
+        growth, square, kept, right = (
+            each.T.ravel()[rows] for each in (terms.growth, square, kept, right)
+        )
+        at, falls = rows % len(s), np.flatnonzero(kept)
         left = sparse.hstack(
             [
-                sparse.diags(terms.growth.T.ravel()) @ sparse.vstack([dz] * count, "csr")
-                + sparse.diags(square.T.ravel()) @ sparse.vstack([z] * count, "csr"),
+                sparse.diags(growth) @ dz[at] + sparse.diags(square) @ z[at],
                 sparse.csr_matrix(
-                    (kept[rows], (rows, rows % len(s))), shape=(len(kept), len(s) + timed)
+                    (kept[falls], (falls, at[falls])), shape=(len(rows), len(s) + timed)
                 ),
             ],
             "csr",
         )
-        return left, right.T.ravel()
+        return left, right
 
     def _resting(self, s: Array) -> NDArray[np.bool_]:
         """Return which places (n,) are at a stop."""
@@ -370,6 +372,25 @@ class LawProgram:
         more = curve.place_at(u[pieces, worst[pieces]] * curve.duration)
         self.points = np.concatenate([self.points, more])
         return bool(pieces.size)
+
+
+def _strictest(right: Array, *left: Array) -> NDArray[np.intp]:
+    """Return which rows count of those with the same left side: that of the least right side.
+
+    Args:
+        right: (limits, points).
+        left: Factors of the row of each limit at each point, of the same shape.
+
+    Returns:
+        Indices into the flat arrays. A limit without factors that leaves room has no row.
+    """
+    point = np.broadcast_to(np.arange(right.shape[1]), right.shape)
+    keys = [right, *left, point]
+    order = np.lexsort([key.ravel() for key in keys])
+    differ = [np.diff(key.ravel()[order], prepend=np.nan) != 0.0 for key in keys[1:]]
+    first = order[np.any(differ, axis=0)]
+    bare = ~np.any([factor.ravel()[first] for factor in left], axis=0)
+    return np.sort(first[~(bare & (right.ravel()[first] >= 0.0))])
 
 
 def _interleaved(rows: list[tuple[Any, Array]]) -> tuple[Any, Array]:

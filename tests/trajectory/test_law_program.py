@@ -22,7 +22,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
 from paminsa_viz.trajectory import MotionLimits, chain, circle, point_to_point, via_points
-from paminsa_viz.trajectory.law_program import LawProgram, Terms
+from paminsa_viz.trajectory.law_program import LawProgram, Terms, _strictest
 from paminsa_viz.trajectory.paths import TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
 from tests.trajectory.plans import FRICTION, A, B, C
@@ -161,8 +161,12 @@ def test_terms_of_drives_are_shares_of_their_envelopes(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("design", [APPENDIX_4, driven(SERVO)], ids=["", "driven"])
-def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(design: Design) -> None:
+def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(
+    design: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Rows on (z's coefficients, c, d), with c = 1 where z is that of the law before."""
+    every = "paminsa_viz.trajectory.law_program._strictest"
+    monkeypatch.setattr(every, lambda right, *left: np.arange(right.size))
     made = program(design)
     s = made.points
     rows, splines = made._rows(s)
@@ -197,6 +201,16 @@ def test_rows_are_the_terms_at_the_law_before_and_no_less_strict_elsewhere(desig
     assert (by_rows >= by_terms - 1e-9 * np.abs(by_terms).max()).all()
     eased = terms.rate <= 0.0
     np.testing.assert_allclose(by_rows[eased], by_terms[eased], rtol=1e-7, atol=1e-7)
+
+
+def test_of_rows_with_the_same_left_side_the_strictest_one_counts() -> None:
+    """At each of three places; and one that nothing is multiplied in, if it leaves no room."""
+    right = np.array([[3.0, 1.0, 1.0], [2.0, 2.0, 2.0], [2.0, 1.0, 0.5], [5.0, -1.0, 0.0]])
+    one = np.array([[1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 1.0], [0.0, 0.0, 0.0]])
+    other = np.array([[4.0, 4.0, 4.0], [4.0, 4.0, 5.0], [6.0, 4.0, 4.0], [0.0, 0.0, 0.0]])
+    kept = np.unravel_index(_strictest(right, one, other), right.shape)
+    expected = {(1, 0), (2, 0), (0, 1), (2, 1), (3, 1), (1, 2), (2, 2)}
+    assert set(zip(*(each.tolist() for each in kept), strict=True)) == expected
 
 
 def test_cones_are_the_length_of_the_acceleration() -> None:
