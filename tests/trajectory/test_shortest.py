@@ -92,21 +92,19 @@ def test_optimum_is_never_slower_and_keeps_all_limits(way, law, kind, design, wi
         plan = point_to_point(way[0], way[1], law=law)
     limits = LIMITS if with_rates else MotionLimits(torque=8.0, force=450.0)
     try:
-        stretched = shortest_stretch(plan, limits, design)
+        found = shortest_motion(plan, limits, design)
     except ImpossibleTrajectory:
         return
-    found = shortest_motion(plan, limits, design)
-    assert found.plan.duration <= stretched.plan.duration * (1.0 + 1e-12)
-    assert found.stretched == pytest.approx(stretched.plan.duration, rel=1e-12)
+    assert found.plan.duration <= found.stretched
     # between the points of the program, by the durations that the limits need there
-    u = np.linspace(1e-6, 1.0 - 1e-6, 4003)
+    u = np.linspace(1e-6, 1.0 - 1e-6, 1501)
     needed = needed_durations(found.plan.curve, limits, design, True)(u).max(axis=1)
     assert needed.max() <= found.plan.duration * (1.0 + HELD)
     # every instant is at one of its limits, but for the pieces in which they change
     assert np.mean(needed >= 0.97 * found.plan.duration) > 0.75
     # the poses are those of the motion's own path
-    own = stretched.plan.curve(np.linspace(0.0, 1.0, 20_001))
-    for pose in found.plan.curve(u[::800]):
+    own = plan.curve(np.linspace(0.0, 1.0, 20_001))
+    for pose in found.plan.curve(u[::300]):
         assert np.abs(own - pose).max(axis=1).min() < 2e-4
 
 
@@ -125,7 +123,7 @@ def test_torques_and_rates_of_the_samples_keep_their_limits(number: int) -> None
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "transition"),
-    [("paper-like", 1e-3), ("arch", 1e-3), ("waypoints", 1e-3), ("arch", 0.2)],
+    [("paper-like", 1e-3), ("waypoints", 1e-3), ("arch", 0.2)],
 )
 def test_friction_that_brakes_exceeds_no_limit_where_it_fades(name: str, transition: float) -> None:
     """By inverse dynamics, close to the ends and in between, where actuators turn around."""
@@ -155,8 +153,8 @@ def test_envelopes_of_drives_are_kept(drive) -> None:
     plan = PRESET["arch"].build(design.geometry)
     found = shortest_motion(plan, MotionLimits(speed=50.0), design)
     assert found.plan.duration < found.stretched
-    assert shares(design, found.plan.sample(4000)).max() <= 1.0 + 1e-3
-    assert shares(design, found.plan.sample(4000)).max() > 0.97
+    most = shares(design, found.plan.sample(4000)).max()
+    assert 0.97 < most <= 1.0 + 1e-3
     free = shortest_motion(plan, MotionLimits(speed=1.0), design, drives=False)
     assert free.quantity == "speed"
 
@@ -328,6 +326,7 @@ def test_the_duration_is_what_the_law_needs_where_it_needs_most(
     assert (found.quantity, found.unit) == (LIMITED[column], UNITS[column])
     assert found.t == pytest.approx(u[row] * found.plan.duration)
     assert found.limit == [*LIMITS.rates.ravel(), *LIMITS.actuators][column]
+    assert found.stretched == shortest_stretch(plan, LIMITS, APPENDIX_4).plan.duration
     assert (found.plan.name, found.plan.kind) == (plan.name, f"{plan.kind}, time-optimal")
 
 
