@@ -59,7 +59,7 @@ from tests.support.samples import enlarged
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
 from tests.synthesis.test_trials import GOOD, random_numbers
 
-BUILDABLE = replace(CYLINDER, allow_overlap=False, effort=Effort(40, 6), regimes=(Regime.SMALLER,))
+BUILDABLE = replace(CYLINDER, allow_overlap=False, effort=Effort(25, 5), regimes=(Regime.SMALLER,))
 
 lengths = st.fixed_dictionaries(
     {
@@ -190,10 +190,11 @@ def test_answer_is_clear_at_random_poses_of_its_workspace() -> None:
     assert 0.001 <= robot.clearance < 0.02
     assert result.objective > 0.62  # 0.482 with overlap
     assert 0.4 < reference.guide / 0.3635 <= 1
-    # what overlap is worth: the same search finds a smaller robot that cannot be built
-    other = synthesize(replace(CYLINDER, effort=BUILDABLE.effort, regimes=BUILDABLE.regimes))
-    assert other.objective < 0.8 * result.objective
-    worse, _ = both(other)
+    # the smaller robots that a search finds with overlap cannot be built
+    trial = Evaluator(CYLINDER, Regime.SMALLER).evaluate(np.array([GOOD["cylinder"][1]]))[0].trial
+    assert trial is not None
+    assert trial.footprint < 0.8 * result.objective
+    worse = buildability(trial.design, trial.workspace, (-TURN, TURN))
     assert not worse.clear
     assert worse.overlapping > 0.5
     assert worse.clearance < -0.02
@@ -218,12 +219,17 @@ def test_answer_says_on_all_ways_whether_it_can_be_built() -> None:
     assert marked.case.title == "c, overlap allowed"
 
 
+def too_short(times: float) -> Buildability:
+    """A robot of some size with too short a guide, and joint 8 nearer to its axis than the slider
+    is long."""
+    place = (times * 0.3, times * 0.3, times * 0.1), (0.0, 0.0, times * -0.55)
+    short_guide = enlarged(APPENDIX_4.vary({"geometry.guide_link_length": 0.22}), times)
+    return buildability(short_guide, Workspace(WorkspaceShape.CYLINDER, *place), (-0.1, 0.1))
+
+
 @pytest.mark.slow
 def test_faults_of_a_robot_are_named() -> None:
-    # too short a guide, and joint 8 nearer to its axis than the slider is long
-    space = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.1), (0.0, 0.0, -0.55))
-    short_guide = APPENDIX_4.vary({"geometry.guide_link_length": 0.22})
-    found = buildability(short_guide, space, (-0.1, 0.1))
+    found = too_short(1.0)
     assert found.guide < found.needed_guide
     assert found.needed_shaft < found.shaft
     assert not found.clear
@@ -234,12 +240,7 @@ def test_faults_of_a_robot_are_named() -> None:
 
 @pytest.mark.slow
 def test_a_robot_enlarged_with_its_bodies_can_be_built_as_well() -> None:
-    found = []
-    for times in (1.0, 0.1):
-        place = (times * 0.3, times * 0.3, times * 0.1), (0.0, 0.0, times * -0.55)
-        space = Workspace(WorkspaceShape.CYLINDER, *place)
-        found.append(buildability(enlarged(APPENDIX_4, times), space, (-0.1, 0.1)))
-    whole, small = found
+    whole, small = too_short(1.0), too_short(0.1)
     for name in ("clearance", "guide", "needed_guide", "shaft", "needed_shaft"):
         assert getattr(small, name) == pytest.approx(0.1 * getattr(whole, name), abs=1e-9), name
     assert small.overlapping == whole.overlapping
@@ -480,12 +481,10 @@ def test_stiffness_can_be_required_and_takes_tubes_that_grow() -> None:
     low = Requirement("stiffness_horizontal", low=2e4)
     required = replace(CYLINDER.requirements, bounds=(*CYLINDER.requirements.bounds, low))
     case = replace(
-        CYLINDER, requirements=required, effort=Effort(25, 4), regimes=(Regime.SMALLER,),
+        CYLINDER, requirements=required, effort=Effort(10, 4), regimes=(Regime.SMALLER,), seed=1,
         bars=BarLaw(grow=True),
     )  # fmt: skip
     result = synthesize(case, relax=False)
     assert result.feasible
-    robot, _ = both(result)
-    assert robot.stiffness >= 2e4 * 0.97
     pose = Extent(result.workspace, (-TURN, TURN)).random(300, seed=3)
     assert platform_stiffness(result.design, pose).horizontal.min() > 2e4 * 0.97

@@ -71,7 +71,7 @@ def duration(
         return time_optimal(design, path, limits).plan.duration
 
 
-FINER = (320, 4)
+FINER = (160, 4)
 """Pieces, and how often they are halved, of programs to compare with."""
 
 
