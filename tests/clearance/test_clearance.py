@@ -285,7 +285,7 @@ def test_bodies_of_two_legs_of_the_prototype_meet_from_28_degrees_on() -> None:
     pairs = [PairGroup.BETWEEN_LEGS]
     meeting = [(-0.1709, -0.2043, 0.4964, -0.0472), (-0.1875, -0.2079, 0.6877, -0.2015)]
     assert (group_clearance(APPENDIX_4, meeting, pairs) < 0.0).all()
-    geometry, draw, n = APPENDIX_4.geometry, np.random.default_rng(2), 8000
+    geometry, draw, n = APPENDIX_4.geometry, np.random.default_rng(2), 3000
     for most, low, high in ((28.0, -0.1, -geometry.platform_joint_height), (39.0, -0.6, -0.2)):
         theta = np.radians(draw.uniform(-most, most, n))
         radius = singular_radius(geometry, theta) * np.sqrt(draw.uniform(0.0, 1.0, n))

@@ -39,7 +39,6 @@ VISCOUS = {name: value for name, value in FRICTION.items() if "viscous" in name}
 DESIGNS = {
     "frictionless": APPENDIX_4,
     "viscous": APPENDIX_4.vary(VISCOUS),
-    "payload": APPENDIX_4.vary({"payload.mass": 2.0, "payload.inertia": 0.02}),
 }
 ROUNDING = 1e-9
 
@@ -97,11 +96,8 @@ def test_limits_of_jerk(plan: Plan) -> None:
 @PLANS
 @pytest.mark.parametrize(
     ("robot", "knee"),
-    [
-        ("frictionless", KneeBranch.LOWER), ("viscous", KneeBranch.UPPER),
-        ("payload", KneeBranch.LOWER),
-    ],
-)  # fmt: skip
+    [("frictionless", KneeBranch.LOWER), ("viscous", KneeBranch.UPPER)],
+)
 def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     design = DESIGNS[robot]
     still = inverse_dynamics(
@@ -128,26 +124,25 @@ def test_coulomb_friction_is_never_underestimated(plan: Plan) -> None:
     assert 0.995 < top <= 1 + ROUNDING
 
 
-@pytest.mark.parametrize("transition", [1e-3, 0.05, 0.3])
 @pytest.mark.parametrize("law", LAWS, ids=["quintic", "trapezoid", "s-curve"])
-def test_friction_that_brakes_is_counted_as_far_as_there_is_any(
-    law: TimeLaw, transition: float
-) -> None:
+def test_friction_that_brakes_is_counted_as_far_as_there_is_any(law: TimeLaw) -> None:
     """M4 lowers the platform and stops it by 300 N, 20 N of friction less, but none at the end."""
-    rough = APPENDIX_4.vary(
-        {"friction.coulomb_linear": 20.0, "friction.transition_speed": transition}
-    )
     plan = point_to_point([0.0, 0.0, 0.2, -0.45], [0.0, 0.0, 0.2, -0.6], law=law)
     limits = MotionLimits(force=300.0)
-    found = shortest_stretch(plan, limits, rough)
-    assert used(found.plan, dense(found.plan), limits, rough).max() == pytest.approx(1.0, abs=1e-4)
     bare, full = (
         shortest_stretch(plan, limits, APPENDIX_4.vary({"friction.coulomb_linear": size}))
         for size in (0.0, 20.0)
     )
     # the same instant may decide all three: they differ by rounding then
     shortest, longest = full.plan.duration * (1 - 1e-12), bare.plan.duration * (1 + 1e-12)
-    assert shortest <= found.plan.duration <= longest
+    for transition in (1e-3, 0.05, 0.3):
+        rough = APPENDIX_4.vary(
+            {"friction.coulomb_linear": 20.0, "friction.transition_speed": transition}
+        )
+        found = shortest_stretch(plan, limits, rough).plan
+        most = used(found, dense(found), limits, rough).max()
+        assert most == pytest.approx(1.0, abs=1e-4), transition
+        assert shortest <= found.duration <= longest, transition
 
 
 @pytest.mark.slow
@@ -286,10 +281,14 @@ def shares(design: Design, motion) -> np.ndarray:  # type: ignore[no-untyped-def
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", ["paper-like", "arch", "circle", "trapezoid"])
 @pytest.mark.parametrize(
-    "drive", [SERVO, replace(SERVO, efficiency=1.0), HEAVY, BENT], ids=["", "1", "h", "b"]
-)
+    ("key", "drive"),
+    [
+        ("paper-like", SERVO), ("circle", SERVO), ("arch", replace(SERVO, efficiency=1.0)),
+        ("trapezoid", HEAVY), ("paper-like", HEAVY), ("arch", BENT), ("circle", BENT),
+    ],
+    ids=["move", "circle", "lossless arch", "heavy trapezoid", "heavy", "bent arch", "bent circle"],
+)  # fmt: skip
 def test_drives_reach_a_limit_and_keep_all(key: str, drive: Drive) -> None:
     design = driven(drive)
     quickest = shortest_stretch(
@@ -436,22 +435,22 @@ def test_durations_of_torques_are_those_of_the_smallest_positive_root() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("profile", [Profile.TRAPEZOID, Profile.S_CURVE])
-@pytest.mark.parametrize("jerk", [None, 2000.0])
+@pytest.mark.parametrize(
+    ("profile", "jerk"),
+    [(Profile.TRAPEZOID, None), (Profile.S_CURVE, None), (Profile.S_CURVE, 2000.0)],
+)
 def test_ramps_are_gentler_where_a_torque_decides(profile: Profile, jerk: float | None) -> None:
     """Against stretched laws of all ramps: no shape is shorter, and none much better is missed."""
-    if profile is Profile.TRAPEZOID and jerk is not None:
-        return
     limits = MotionLimits(speed=0.3, acceleration=100.0, jerk=jerk, torque=6.0)
     found = shortest_stretch(point_to_point(A, B, law=TimeLaw(profile)), limits, APPENDIX_4)
     assert_at_its_limit(found, limits, APPENDIX_4)
-    blends = (0.4,) if jerk is None else (0.01, 0.05, 0.2, 0.5)
+    ramps, blends = (10, (0.4,)) if jerk is None else (6, (0.05, 0.2, 0.5))
     others = [
         shortest_stretch(
             point_to_point(A, B, law=TimeLaw(profile, ramp, blend)), limits, APPENDIX_4,
             reshape=False,
         ).plan.duration
-        for ramp in np.geomspace(0.02, 0.5, 10)
+        for ramp in np.geomspace(0.02, 0.5, ramps)
         for blend in blends
     ]  # fmt: skip
     assert found.plan.duration <= min(others) * (1 + 1e-6)
