@@ -42,6 +42,12 @@ _INSTANT = 1e-300
 Derivatives = Callable[[Array, int], Array]
 """A motion in unit time: the pose, order 0, or a derivative of it at instants (n,), as (n, 4)."""
 
+_Rows = NDArray[np.intp] | slice
+"""Which of the instants."""
+
+_Needed = Callable[[Array | None, _Rows], Array]
+"""Durations that are needed at some instants, with the friction that there is in given ones."""
+
 
 def limit_of(column: int, limits: MotionLimits, design: Design | None) -> float:
     """Return a limit by its place in `limits.LIMITED`, in its unit."""
@@ -142,21 +148,23 @@ def coulomb_share(design: Design, speed: Array, duration: Array | None) -> Array
     return np.tanh(speed / np.maximum(duration * design.friction.transition_speed, _INSTANT))
 
 
-def _where_friction_fades(needed: Callable[[Array | None], Array], design: Design) -> Array:
+def _where_friction_fades(needed: _Needed, design: Design) -> Array:
     """Return the durations that are needed with the friction that there is in them.
 
-    ``needed`` gives those (n, columns) with the friction of durations (n, 4); the first and the
-    last four columns are those of torques of M1 to M4. A longer duration has less friction, so that
-    from those without any on each is one that will do.
+    ``needed`` gives those (n, columns) of some instants with the friction of durations (n, 4); the
+    first and the last four columns are those of torques of M1 to M4. A longer duration has less
+    friction, so that from those without any on each is one that will do.
     """
-    full = needed(None)
+    full = needed(None, slice(None))
     if not any(design.actuator_friction.coulomb):
         return full
-    longest = np.full_like(full, np.inf)
+    longest, changing = np.full_like(full, np.inf), np.arange(len(full))
     for _ in range(_FADED):
-        before = longest
-        longest = np.maximum(full, needed(np.maximum(before[:, :4], before[:, -4:])))
-        if np.array_equal(longest, before):
+        before = longest[changing]
+        faded = needed(np.maximum(before[:, :4], before[:, -4:]), changing)
+        longest[changing] = np.maximum(full[changing], faded)
+        changing = changing[(longest[changing] != before).any(axis=1)]
+        if not changing.size:
             break
     return longest
 
@@ -197,13 +205,13 @@ def _drive_durations(design: Design, misprints: Misprint) -> Callable[[Derivativ
         turned = actuator_acceleration(design.geometry, pose, rate, growth)
         sides = _sides(design, others, speed, turned)
 
-        def needed(duration: Array | None) -> Array:
-            load = still + _coulomb_friction(plain, speed, duration)
-            acting = coulomb_share(design, speed, duration)
-            found = np.zeros((len(speed), 12))
-            found[:, 4:8] = np.abs(speed) / speeds
+        def needed(duration: Array | None, rows: _Rows) -> Array:
+            load = still[rows] + _coulomb_friction(plain, speed[rows], duration)
+            acting = coulomb_share(design, speed[rows], duration)
+            found = np.zeros((len(load), 12))
+            found[:, 4:8] = np.abs(speed[rows]) / speeds
             for side in sides:
-                least = side.durations(load, acting)
+                least = side.durations(load, acting, rows)
                 found[:, side.column] = np.maximum(found[:, side.column], least)
             return found
 
@@ -233,22 +241,23 @@ class _Side(NamedTuple):
     coulomb: float
     parts: list[tuple[Array, Array, Array]]
 
-    def durations(self, load: Array, acting: Array) -> Array:
-        """Return the durations (n,) that it requires [s].
+    def durations(self, load: Array, acting: Array, rows: _Rows) -> Array:
+        """Return the durations (m,) that it requires at some instants [s].
 
         Args:
-            load: The loads at rest, friction included, (n, 4) [N m; N].
-            acting: The shares of Coulomb friction that act, (n, 4).
+            load: The loads at rest there, friction included, (m, 4) [N m; N].
+            acting: The shares of Coulomb friction that act, (m, 4).
+            rows: Which instants of the n.
         """
-        own = self.coulomb * acting[:, self.actuator]
+        own, load = self.coulomb * acting[:, self.actuator], load[:, self.actuator]
         needed = [
-            _longest(self.limit - self.sign * (share * load[:, self.actuator] + own), first, second)
+            _longest(self.limit - self.sign * (share[rows] * load + own), first[rows], second[rows])
             for share, first, second in self.parts
         ]
         if len(needed) == 1:
             return needed[0]
         # that is the larger of the two at a positive speed: below a limit if both are
-        return np.where(self.along, np.maximum(*needed), np.minimum(*needed))
+        return np.where(self.along[rows], np.maximum(*needed), np.minimum(*needed))
 
 
 def _sides(design: Design, others: list[Array], speed: Array, turned: Array) -> list[_Side]:
@@ -315,11 +324,11 @@ def _torque_durations(
     still, first, second = torque_parts(curve, design, misprints, u)
     speed = actuator_velocity(design, curve(u, 0), curve(u, 1))
 
-    def needed(duration: Array | None) -> Array:
-        constant = still + _coulomb_friction(design, speed, duration)
+    def needed(duration: Array | None, rows: _Rows) -> Array:
+        constant = still[rows] + _coulomb_friction(design, speed[rows], duration)
         longest = np.zeros_like(constant)
         for sign in (1.0, -1.0):
-            each = _longest(limits - sign * constant, sign * first, sign * second)
+            each = _longest(limits - sign * constant, sign * first[rows], sign * second[rows])
             longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, each))
         return longest
 
