@@ -79,6 +79,10 @@ def test_solids_enclose_the_surface_that_is_drawn(knee: KneeBranch, seed: int | 
     design = loaded(seed, knee)
     for name in (*drawn.STANDING, *BODIES):
         bodies = of_frame(design, WORLD if name in drawn.STANDING else name)
+        if name.startswith(("leg2/", "leg3/")):  # whose bodies are drawn alike as well
+            same = of_frame(design, f"leg1/{name[5:]}")
+            assert [body.solids for body in bodies] == [body.solids for body in same]
+            continue
         points = surface(drawn.make_body(design.geometry, name))
         distance = np.min([beyond(body, points) for body in bodies], axis=0)
         allowed = LEFT_OUT.get(name.rpartition("/")[2], 1e-6)

@@ -92,7 +92,7 @@ def test_reach_and_fold_cut_a_robot_of_unequal_bars() -> None:
 
 @pytest.mark.slow
 def test_finer_grid_changes_the_volume_by_less_than_its_error(solved: Volume) -> None:
-    fine = solve_volume(APPENDIX_4, solved.requirements, resolution=Resolution(400_000, 17, 9.0))
+    fine = solve_volume(APPENDIX_4, solved.requirements, resolution=Resolution(200_000, 17, 9.0))
     assert abs(solved.volume - fine.volume) <= solved.error
     for nodes in (8_000, 30_000):
         rough = solve_volume(APPENDIX_4, solved.requirements, resolution=Resolution(nodes, 9, 9.0))
