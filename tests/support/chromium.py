@@ -291,10 +291,14 @@ class Tab:
         self.page.mouse.click(right, down)
 
     def upload(self, button: str, name: str, content: bytes) -> None:
-        """Press an upload button, and give it a file."""
+        """Press an upload button, and give it a file with a content."""
+        self.choose_file(button, {"name": name, "mimeType": "text/plain", "buffer": content})
+
+    def choose_file(self, button: str, file: Any) -> None:
+        """Press an upload button, and give it a file, by its path or as Playwright describes it."""
         with self.page.expect_file_chooser() as asked:
             self.click(button)
-        asked.value.set_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
+        asked.value.set_files(file)
 
     def wait_frames(self, milliseconds: float) -> None:
         """Wait for a time and then for some frames, which may take long on a busy machine."""

@@ -328,9 +328,13 @@ def test_refused_size_stops_no_later_export(desk: Desk) -> None:
     desk.set("export.dpi", 1e9)
     desk.noticed("50 to 600 is possible")
     desk.until(lambda: desk.handle("export.dpi").value == 300.0)
+    desk.dispatch(lambda state: state.updated("export", single=True, width=80.0, dpi=50.0))
     for key, button, ending in (
-        ("export.scene", "Robot as GLB", ".glb"), ("export.mujoco", "MJCF with meshes", ".zip"),
-        ("export.models", "URDF", ".zip"), ("export.code", "C", ".zip"),
+        ("export.figure", "PNG", ".png"), ("export.figure", "SVG", ".svg"),
+        ("export.figure", "PDF", ".pdf"), ("export.table", "CSV", ".csv"),
+        ("export.scene", "Robot as GLB", ".glb"), ("export.mujoco", "MJCF", ".xml"),
+        ("export.mujoco", "MJCF with meshes", ".zip"), ("export.models", "URDF", ".zip"),
+        ("export.models", "USD", ".usda"), ("export.code", "C", ".zip"),
     ):  # fmt: skip
         desk.set(key, button)
         assert started(desk)[0]["filename"].endswith(ending)

@@ -12,7 +12,7 @@ import numpy as np
 from paminsa_viz.explorer.core.persistence import open_share_code
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, PaminsaError
-from tests.support.chromium import until, watch_errors
+from tests.support.chromium import UNDRAWN, until, watch_errors
 
 START = Document(design=APPENDIX_4, pose=(0.08, 0.05, np.pi / 3, -0.55))
 OTHER = Document(
@@ -26,7 +26,10 @@ OTHER = Document(
 
 
 class Opened:
-    """The page in a browser, opened from a file, and what happened in it."""
+    """The page in a browser, opened from a file, and what happened in it.
+
+    Its robot is not drawn unless a test draws it: that takes most of the page's time.
+    """
 
     def __init__(self, browser: Any, path: Path) -> None:
         self.context = browser.new_context(accept_downloads=True)
@@ -34,6 +37,7 @@ class Opened:
         self.requests: list[str] = []
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.errors = watch_errors(self.page)
+        self.page.add_init_script(UNDRAWN)
         self.address = path.as_uri()
         self.open("")
 

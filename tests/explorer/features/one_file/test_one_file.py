@@ -323,10 +323,20 @@ def test_a_number_that_is_rounded_to_zero_has_no_sign(opened: Opened) -> None:
     ],
 )
 def test_link_that_cannot_be_opened_says_why(opened: Opened, link: str, says: str) -> None:
-    opened.open(link)
+    before = opened.wait(lambda found: found)
+    opened.page.evaluate("link => { location.hash = link; }", link)
     message = opened.page.locator("#message")
     until(lambda: says in message.inner_text(), "it is said")
     assert "\n" not in message.inner_text()
+    opened.wait(lambda found: found == before)
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_page_that_is_loaded_by_such_a_link_shows_what_it_was_written_with(opened: Opened) -> None:
+    opened.open("PMZ0-eJw")
+    message = opened.page.locator("#message")
+    until(lambda: "it is from another version" in message.inner_text(), "it is said")
     opened.wait(lambda found: found == START)
 
 
