@@ -13,7 +13,7 @@ from paminsa_viz.elastostatics.joint_forces import joint_forces
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.features.requirements import actions as requirements
 from paminsa_viz.explorer.features.stiffness.layers import MODE_NODE
-from paminsa_viz.explorer.features.synthesis import cases
+from paminsa_viz.explorer.features.synthesis import cases, solving
 from paminsa_viz.explorer.state.synthesis import EffortChoice
 from paminsa_viz.files.example_logs import ExampleLog
 from paminsa_viz.model import APPENDIX_4
@@ -205,7 +205,8 @@ def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
 def test_a_search_is_adopted_with_the_design_before_as_reference(
     tab: Tab, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(12, 6))
+    monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(4, 6))
+    monkeypatch.setattr(solving, "BUILT", 10)
     ask(tab)
     tab.open_tab("Synthesis")
     tab.page.get_by_test_id("synthesize-intro").get_by_text("160").wait_for()
