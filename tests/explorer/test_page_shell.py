@@ -300,7 +300,14 @@ HURRY = """() => {
 }"""
 
 
-def test_lost_server_is_said_in_words(browser: Any) -> None:
+FAIL = """([url, count]) => Promise.all(Array.from({ length: count }, () =>
+  new Promise((done) => { new WebSocket(url).onclose = done; })))"""
+
+
+def test_page_connects_again_after_a_long_break_and_says_that_the_server_is_lost(
+    browser: Any,
+) -> None:
+    """Chromium holds every attempt back for seconds once many have failed, as in a long break."""
     from paminsa_viz.app import App, AppOptions
     from paminsa_viz.model import APPENDIX_4
 
@@ -308,6 +315,13 @@ def test_lost_server_is_said_in_words(browser: Any) -> None:
     context = browser.new_context(viewport={"width": 1280, "height": 720})
     try:
         tab = Tab(context.new_page(), own)
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            nobody = f"ws://127.0.0.1:{taken.getsockname()[1]}"  # it is bound, and does not listen
+            tab.page.evaluate(FAIL, [nobody, 48])
+            before = tab.session
+            tab.cut_connection()
+            assert tab.session is not before
         tab.page.wait_for_function("window.paminsaNumberFields?.connected()")
         own.stop()
         tab.page.evaluate(HURRY)  # it says so after three seconds
@@ -316,26 +330,6 @@ def test_lost_server_is_said_in_words(browser: Any) -> None:
         assert "does not answer" in lost.inner_text()
     finally:
         context.close()
-
-
-FAIL = """([url, count]) => Promise.all(Array.from({ length: count }, () =>
-  new Promise((done) => { new WebSocket(url).onclose = done; })))"""
-
-
-def test_page_connects_again_after_a_long_break(browser: Any, app: Any) -> None:
-    """Chromium holds every attempt back for seconds once many have failed, as in a long break."""
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        nobody = f"ws://127.0.0.1:{taken.getsockname()[1]}"  # it is bound, and does not listen
-        context = browser.new_context(viewport={"width": 1280, "height": 720})
-        try:
-            tab = Tab(context.new_page(), app)
-            tab.page.evaluate(FAIL, [nobody, 48])
-            before = tab.session
-            tab.cut_connection()
-            assert tab.session is not before
-        finally:
-            context.close()
 
 
 @pytest.mark.parametrize("last", ["Motion", "Strength"])
