@@ -46,6 +46,29 @@ def whole(tab: Tab) -> Iterator[Tab]:
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 CHECK = """rules => axe.run(document, {runOnly: rules, resultTypes: ['violations']})"""
 
+CHECK_LOOKS = """() => {
+  const looks = new Map();
+  const behind = (one) => {
+    if (!one) return "";
+    if (!looks.has(one)) {
+      const { backgroundColor, backgroundImage, opacity } = getComputedStyle(one);
+      const own = [backgroundColor, backgroundImage, opacity].join();
+      looks.set(one, own + behind(one.parentElement));
+    }
+    return looks.get(one);
+  };
+  const found = new Map();
+  for (const one of document.body.querySelectorAll("*")) {
+    const texts = [...one.childNodes].some((child) => child.nodeType === 3 && child.data.trim());
+    if (!one.getClientRects().length || !(texts || one.matches("input"))) continue;
+    const { color, fontSize, fontWeight } = getComputedStyle(one);
+    found.set([color, fontSize, fontWeight, behind(one)].join(), one);
+  }
+  const context = { include: [...found.values()] };
+  return axe.run(context, { runOnly: ["color-contrast"], resultTypes: ["violations"] });
+}"""
+"""The contrast of one text of each look: its color and size, and what is behind it."""
+
 
 def test_contrast_names_and_roles(whole: Tab) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
@@ -53,23 +76,23 @@ def test_contrast_names_and_roles(whole: Tab) -> None:
     page.set_viewport_size({"width": 1280, "height": 8000})  # only what is on the page is checked
     page.evaluate(axe.axe_script)
 
-    def violations(rules: list[str]) -> list[tuple[str, ...]]:
+    def violations(check: str) -> list[tuple[str, ...]]:
         return [
             (violation["id"], node["html"][:160], node["failureSummary"][:200])
-            for violation in page.evaluate(CHECK, rules)["violations"]
+            for violation in page.evaluate(check, RULES)["violations"]
             for node in violation["nodes"]
         ]
 
-    # Names and roles are those of both themes; colors are not.
-    for theme, rules in ((Appearance.LIGHT, RULES), (Appearance.DARK, ["color-contrast"])):
+    # Names, roles and what lies over what are those of both themes; colors are not.
+    for theme, check in ((Appearance.LIGHT, CHECK), (Appearance.DARK, CHECK_LOOKS)):
         whole.dispatch(lambda s, theme=theme: s.updated("", appearance=theme))
         wait_theme(whole, theme.value)
         whole.wait_frames(1000)
-        found = violations(rules)
+        found = violations(check)
         for _ in range(3):  # names come a moment later
             if found:
                 whole.wait_frames(500)
-                found = violations(rules)
+                found = violations(check)
         assert found == [], theme
     last = page.get_by_role("button", name="Take the guided tour").bounding_box()
     assert last["y"] + last["height"] < 8000
