@@ -14,6 +14,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, UnreachableP
 from paminsa_viz.notebook import InlinePage, curve_view, map_view, motion_view, robot_view
 from paminsa_viz.plots.series_figure import figure_bytes
 from paminsa_viz.trajectory import PRESET, analyze
+from tests.support.chromium import UNDRAWN
 
 pytestmark = pytest.mark.slow
 
@@ -117,6 +118,7 @@ def test_robot_and_motion_are_drawn_in_a_notebooks_page(browser, motion, tmp_pat
     shown = robot_view(APPENDIX_4, POSE)._repr_html_() + motion_view(motion)._repr_html_()
     path.write_text(f'<meta charset="utf-8"><body>{shown}', encoding="utf-8")
     page = browser.new_context().new_page()
+    page.add_init_script(UNDRAWN)
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     wrong: list[str] = []

@@ -91,6 +91,60 @@ def test_style_sheets_have_no_selector_that_looks_down() -> None:
     ] == []
 
 
+WITHOUT = {
+    "page": [hidden("__viserMutable")],
+    "messages": [hidden("__viserMutable.sendMessage")],
+    # None of the first three is needed to come to another; the charts that the last but one
+    # names are not open yet.
+    "canvas, rendering, links": [
+        hidden("__viserMutable.canvas|backgroundMaterial|requestRender"),
+        hidden("__viserTestpoints"),
+        hidden("paminsaReconnect"),
+        WITHOUT_LINKS,
+    ],
+    "scene": [hidden("__viserMutable.scene.__r3f")],
+}
+
+
+class LackingPage:
+    """A page that lacks names, others at each load; to load it again costs half of a new one.
+
+    Args:
+        browser: Where.
+        app: The explorer.
+    """
+
+    def __init__(self, browser: Any, app: Any) -> None:
+        self._context = browser.new_context(viewport={"width": 1280, "height": 720})
+        self._app = app
+        self._tab: Tab | None = None
+
+    def load(self, lacking: str) -> Tab:
+        """Load it without what one of `WITHOUT` hides."""
+        if self._tab is None:
+            page = self._context.new_page()
+            for key, scripts in WITHOUT.items():
+                wanted = f"(sessionStorage.lacking ?? {lacking!r}) === {key!r}"
+                page.add_init_script(f"if ({wanted}) {{ {';'.join(scripts)} }}")
+            self._tab = Tab(page, self._app)
+        else:
+            self._tab.page.evaluate("key => { sessionStorage.lacking = key; }", lacking)
+            self._tab.reload()
+        return self._tab
+
+    def close(self) -> None:
+        """Close it; nothing may have gone wrong."""
+        self._context.close()
+        assert self._tab is None or self._tab.errors == []
+
+
+@pytest.fixture(scope="module")
+def lacking_page(browser: Any, app: Any) -> Iterator[LackingPage]:
+    page = LackingPage(browser, app)
+    yield page
+    page.close()
+
+
 @pytest.fixture(autouse=True)
 def forget_reports() -> Iterator[None]:
     """A name is reported once in a program's life."""
@@ -101,19 +155,12 @@ def forget_reports() -> Iterator[None]:
 
 @pytest.mark.browser
 @pytest.mark.parametrize(
-    ("scripts", "features"),
+    ("lacking", "features"),
     [
-        ([hidden("__viserMutable")], ["messages"]),
-        ([hidden("__viserMutable.sendMessage")], ["messages"]),
-        # None of the first three is needed to come to another; the charts that the last but one
-        # names are not open yet.
+        ("page", ["messages"]),
+        ("messages", ["messages"]),
         (
-            [
-                hidden("__viserMutable.canvas|backgroundMaterial|requestRender"),
-                hidden("__viserTestpoints"),
-                hidden("paminsaReconnect"),
-                WITHOUT_LINKS,
-            ],
+            "canvas, rendering, links",
             [
                 "graphics card",
                 "background",
@@ -122,32 +169,25 @@ def forget_reports() -> Iterator[None]:
                 "connecting again",
             ],
         ),
-        ([hidden("__viserMutable.scene.__r3f")], ["rendering on demand"]),
+        ("scene", ["rendering on demand"]),
     ],
-    ids=["page", "messages", "canvas, rendering, links", "scene"],
+    ids=list(WITHOUT),
 )
 def test_page_without_a_name_works_and_reports_it(
-    browser: Any, app: Any, scripts: list[str], features: list[str],
+    lacking_page: LackingPage, lacking: str, features: list[str],
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     if "messages" in features:  # none comes, however long the page is waited for
         monkeypatch.setattr(bridges, "HELLO_TIMEOUT", 1.0)
     monkeypatch.setattr(bridges, "MISSING_AFTER", 1.0)
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    try:
-        page = context.new_page()
-        for script in scripts:
-            page.add_init_script(script)
-        tab = Tab(page, app)
-        page.get_by_role("slider").first.focus()
-        before = tab.state.document.pose
-        page.keyboard.press("ArrowRight")
-        until(lambda: tab.state.document.pose != before, "the slider moves the robot")
-        for feature in features:
-            until(lambda: feature in caplog.text, f"{feature} is reported missing")  # noqa: B023
-        assert tab.errors == []
-    finally:
-        context.close()
+    tab = lacking_page.load(lacking)
+    tab.page.get_by_role("slider").first.focus()
+    before = tab.state.document.pose
+    tab.page.keyboard.press("ArrowRight")
+    until(lambda: tab.state.document.pose != before, "the slider moves the robot")
+    for feature in features:
+        until(lambda: feature in caplog.text, f"{feature} is reported missing")  # noqa: B023
+    assert tab.errors == []
 
 
 def opened_bridge(gui: Any) -> tuple[Bridge, list[tuple[str, Any]]]:

@@ -26,7 +26,7 @@ from paminsa_viz.trajectory import (
     point_to_point,
     preset_center,
 )
-from tests.support.chromium import NODE_PLACE, TIMEOUT, until, watch_errors
+from tests.support.chromium import NODE_PLACE, TIMEOUT, UNDRAWN, until, watch_errors
 
 ANGLE = "() => window.__viserMutable.camera.fov"
 """Vertical angle of view [deg]."""
@@ -158,6 +158,7 @@ def test_browser_plays_it_from_a_file_offline(browser: Any, tmp_path: Path) -> N
     file.write_bytes(motion_html(APPENDIX_4, trajectory))
     context = browser.new_context(viewport={"width": 480, "height": 360}, offline=True)
     page = context.new_page()
+    page.add_init_script(UNDRAWN)
     page.set_default_timeout(1000 * TIMEOUT)
     errors = watch_errors(page)
     page.on("requestfailed", lambda request: errors.append(request.url))
