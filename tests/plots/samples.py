@@ -110,10 +110,9 @@ def crop(image: np.ndarray, place: Any, scale: float = 1.0) -> np.ndarray:
 
 
 def panel_and_same(panel: int) -> tuple[MapData, MapData]:
-    """Return maps, and maps whose panels are all one of them."""
-    data = made_up(nx=61, ny=61)
-    values = np.repeat(data.values[panel : panel + 1], 3, axis=0)
-    return data, made_up(nx=61, ny=61, values=values)
+    """Return two maps, and maps that are both one of them."""
+    data = made_up(nx=61, ny=61, panels=2)
+    return data, replace(data, values=np.repeat(data.values[panel : panel + 1], 2, axis=0))
 
 
 def live(data: MapData, scales: Any, width: int, ratio: float = 1.0, **options: Any) -> np.ndarray:

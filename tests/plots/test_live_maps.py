@@ -17,7 +17,6 @@ from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale, map_pixels
 from tests.plots.samples import (
-    EMPTY,
     OWN,
     PATH,
     SCALE,
@@ -27,7 +26,6 @@ from tests.plots.samples import (
     live,
     made_up,
     panel_and_same,
-    real,
 )
 
 pytestmark = pytest.mark.slow
@@ -37,7 +35,7 @@ def layout_of(data: MapData, scales: Any = SCALES, width: int = 700) -> MapLayou
     return map_layout(data, scales, width, PAGE_EM)
 
 
-@pytest.mark.parametrize(("width", "ratio"), [(300, 1.0), (599, 1.0), (901, 1.5), (700, 2.0)])
+@pytest.mark.parametrize(("width", "ratio"), [(599, 1.0), (301, 1.5)])
 @pytest.mark.parametrize("panels", [1, 3])
 def test_a_live_picture_has_the_size_of_its_layout(width: int, ratio: float, panels: int) -> None:
     data = made_up(panels=panels)
@@ -59,15 +57,15 @@ def test_live_cells_lie_where_the_layout_says() -> None:
     assert hits.mean() > 0.85  # the rest lies under the boundary
 
 
-@pytest.mark.parametrize("panel", range(3))
-def test_each_live_panel_shows_its_own_values_and_contours(panel: int) -> None:
-    data, same = panel_and_same(panel)
-    places = layout_of(data).panels
-    mixed, alike = (crop(live(each, SCALES, 700), places[panel]) for each in (data, same))
-    assert np.array_equal(mixed, alike)
-    other = crop(live(data, SCALES, 700), places[panel - 1])
-    rows, columns = np.minimum(mixed.shape, other.shape)[:2]
-    assert (mixed[:rows, :columns] != other[:rows, :columns]).any()
+def test_each_live_panel_shows_its_own_values_and_contours() -> None:
+    data = panel_and_same(0)[0]
+    image, places = live(data, SCALES[:2], 500), layout_of(data, SCALES[:2], 500).panels
+    for panel, place in enumerate(places):
+        same = live(panel_and_same(panel)[1], SCALES[:2], 500)
+        mixed, alike, other = crop(image, place), crop(same, place), crop(image, places[panel - 1])
+        assert np.array_equal(mixed, alike)
+        rows, columns = np.minimum(mixed.shape, other.shape)[:2]
+        assert (mixed[:rows, :columns] != other[:rows, :columns]).any()
 
 
 def test_the_pose_moves_over_a_picture_that_does_not_change() -> None:
@@ -87,25 +85,24 @@ def test_the_pose_moves_over_a_picture_that_does_not_change() -> None:
 def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(map_figure, "_KEPT_SCALES", 2)  # fewer than the scales below
+    monkeypatch.setattr(map_figure, "_KEPT_SCALES", 1)  # fewer than the scales below
     maps, one = LiveMaps(), made_up(panels=1)
     requests: list[Any] = [
-        (made_up(), SCALES, 500),
-        (made_up(), OWN, 500),
-        (EMPTY, SCALES, 500),
-        (one, (SCALE,), 300),
-        (one, (SCALE,), 320),
-        (made_up(panels=1, unit="N"), (SCALE,), 300),
-        (made_up(panels=1, names=("a",)), (SCALE,), 300),
-        (real(31, quantities=("tau_1",)), (SCALE,), 300),
-        *((one, (Scale(-1.5 - i, 1.5 + i),), 300) for i in range(3)),
+        (made_up(panels=2), SCALES[:2], 300),
+        (made_up(panels=2), OWN[:2], 300),
+        (replace(one, values=np.full_like(one.values, np.nan)), (SCALE,), 200),
+        (one, (SCALE,), 200),
+        (one, (SCALE,), 220),
+        (replace(one, unit="N"), (SCALE,), 200),
+        (replace(one, names=("a",)), (SCALE,), 200),
+        *((one, (Scale(-1.5 - i, 1.5 + i),), 200) for i in range(2)),
     ]
     alone = [LiveMaps().draw(*request) for request in requests]
     kept = [maps.draw(*request) for request in requests]
-    again = [maps.draw(*request) for request in requests[-3:]]  # to one that is no longer kept
+    again = [maps.draw(*request) for request in requests[-2:]]  # to one that is no longer kept
     with ThreadPoolExecutor(4) as pool:
         together = list(pool.map(lambda request: maps.draw(*request), requests))
-    for found, wanted in ((kept, alone), (again, alone[-3:]), (together, alone)):
+    for found, wanted in ((kept, alone), (again, alone[-2:]), (together, alone)):
         assert all(np.array_equal(a, b) for a, b in zip(found, wanted, strict=True))
     assert len({picture.tobytes() for picture in alone}) == len(requests)
     assert not np.shares_memory(kept[0], maps.draw(*requests[0]))

@@ -14,6 +14,8 @@ from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.reach import Limit, check_reach, workspace_radius
 from paminsa_viz.palette import LEG_COLORS
+from paminsa_viz.plots.caption import caption
+from paminsa_viz.plots.contours import contour_lines
 from paminsa_viz.plots.map_values import (
     FRAMES,
     PROBES,
@@ -24,6 +26,7 @@ from paminsa_viz.plots.map_values import (
     map_data,
     workspace_field,
 )
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.quantities import QUANTITIES, Missing
 from tests.plots.samples import made_up, real
 
@@ -232,6 +235,19 @@ def test_every_quantity_has_a_legend_and_can_be_mapped() -> None:
             assert not shown.any(), quantity  # all legs are alike
         elif not quantity.startswith("clearance_"):  # bodies of a group may keep apart everywhere
             assert shown.min() < 0 < shown.max(), quantity
+
+
+@pytest.mark.slow
+def test_every_quantity_has_colors_contours_and_a_caption() -> None:
+    for quantity in QUANTITIES.values():
+        data = real(21, quantities=(quantity.key,))
+        for choice in (ScaleChoice(), ScaleChoice(kind="symlog")):
+            (scale,) = choose_scales(data, choice)
+            lines, text = contour_lines(data, 0, scale), caption(data, (scale,))
+            ticks = scale.ticks(8)
+            assert scale.low <= min(ticks) < max(ticks) <= scale.high, quantity.key
+            assert all(scale.low < level < scale.high for level in lines), quantity.key
+            assert lines or "Contours" not in text, quantity.key
 
 
 def test_inconsistent_inputs_are_refused() -> None:

@@ -28,7 +28,7 @@ from paminsa_viz.plots.series import (
     thinned,
 )
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import draw_series, figure_bytes, value_range
+from paminsa_viz.plots.series_figure import draw_series, figure_bytes, render_series, value_range
 from paminsa_viz.trajectory import (
     PRESET,
     Controller,
@@ -63,13 +63,19 @@ def still(motion):
     return analyze(RUBBING, replace(motion, t=600.0 / motion.t[-1] * motion.t, name="W" * 70))
 
 
-@pytest.fixture(scope="module")
-def everything(analysis, motion):
-    """What every kind of figure can be made of."""
+def others_on(motion):
+    """Return analyses to compare one of a motion with."""
     light = replace(RUBBING.vary({"links.b4": 0.2}), name="Light")
     return {
         "reference": analyze(light, motion),
         "published": analyze(RUBBING, motion, misprints=Misprint.ALL),
+    }
+
+
+@pytest.fixture(scope="module")
+def everything(motion):
+    """What every kind of figure can be made of."""
+    return others_on(motion) | {
         "simulation": simulate(RUBBING.vary({"payload.mass": 0.5}), motion, model=RUBBING),
     }
 
@@ -175,24 +181,8 @@ def test_a_failure_between_two_samples_is_an_instant() -> None:
     assert failure.start == failure.end == analysis.check.first.t
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["torques", "power", "energy", "tracking", "comparison"])
-def test_a_figure_of_several_sources_is_a_picture_of_its_size(kind, analysis, everything) -> None:
-    """Those of one source are looked at below, with their texts."""
-    content = figure_bytes(kind, analysis, **everything, width_mm=85.0, dpi=60)
-    _check_picture(content, 85.0, 60)
-
-
-def _check_picture(content: bytes, width: float, dpi: int) -> None:
-    image = Image.open(io.BytesIO(content))
-    assert image.width == round(width / 25.4 * dpi)
-    assert image.height < PAGE * dpi
-    assert np.asarray(image.convert("L")).std() > 10
-
-
 def _texts(figure) -> list[tuple[str, Bbox]]:
-    """Return all texts of a figure with their extents [pixels]."""
-    figure.draw_without_rendering()
+    """Return all texts of a figure that is drawn, with their extents [pixels]."""
     texts = [*figure.texts, *(text for legend in figure.legends for text in legend.get_texts())]
     for area in figure.axes:
         texts += [area._left_title, area.xaxis.label, area.yaxis.label, *area.texts]
@@ -208,15 +198,24 @@ def _texts(figure) -> list[tuple[str, Bbox]]:
 def test_texts_are_inside_the_figure_and_do_not_overlap(
     kind, width, still, analysis, everything
 ) -> None:
-    given = {} if kind != "tracking" else everything
+    """Narrow ones of one source, wide ones of as many as there can be."""
+    shown = analysis if kind == "tracking" else still
+    given = {} if width == 60.0 else others_on(shown.trajectory)
+    if kind == "tracking":
+        given["simulation"] = everything["simulation"]
     if kind == "comparison":
-        given = {"engine": EngineTorques("engine", still.torque * (1 + 1e-12))}
-    data = _series(kind, analysis if kind == "tracking" else still, **given)
+        given["engine"] = EngineTorques("engine", still.torque * (1 + 1e-12))
+    data = _series(kind, shown, **given)
     with drawing():
         figure = draw_series(data, width, 150.0, data.title, series_text.caption(data))
-        found = _texts(figure)
         if width == 60.0:
-            _check_picture(figure_file(figure, "png", 150, Credits(kind, "")), width, 150)
+            content = figure_file(figure, "png", 150, Credits(kind, ""))
+            image = Image.open(io.BytesIO(content))
+            assert image.width == round(width / 25.4 * 150)
+            assert np.asarray(image.convert("L")).std() > 10
+        else:
+            figure.draw_without_rendering()
+        found = _texts(figure)
         right, top = figure.bbox.max
     assert int(right) == round(width / 25.4 * 150)
     assert top < PAGE * 150
@@ -230,14 +229,19 @@ def test_texts_are_inside_the_figure_and_do_not_overlap(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [k for k in FIGURES if k not in ("tracking", "comparison")])
-def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
+def test_a_motion_that_fails_at_once_is_still_drawn() -> None:
     start = np.add(preset_center(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
     analysis = analyze(
         APPENDIX_4, point_to_point(start, np.add(start, (0.0, 0.1, 0.0, 0.0))).sample(20)
     )
     assert not analysis.summary
-    assert figure_bytes(kind, analysis, dpi=40).startswith(b"\x89PNG")
+    for kind in (k for k in FIGURES if k not in ("tracking", "comparison")):
+        data = _series(kind, analysis)
+        assert "The motion fails" in series_text.caption(data), kind
+        for trace in (trace for panel in data.panels for trace in panel.traces):
+            assert kind == "pose" or not np.isfinite(trace.values).any(), kind
+            assert trace.peak is None, kind
+    assert figure_bytes("torques", analysis, dpi=40).startswith(b"\x89PNG")
 
 
 def test_a_comparison_with_a_reference_that_fails_at_once_has_no_difference(analysis) -> None:
@@ -261,18 +265,23 @@ def test_a_comparison_with_a_reference_that_fails_at_once_has_no_difference(anal
     assert entries == ["this analysis"]
 
 
+@pytest.fixture(scope="module")
+def few_panels(analysis):
+    return _series("clearance", analysis)
+
+
 @pytest.mark.slow
-def test_a_figure_is_drawn_once_to_be_saved(analysis, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_figure_is_drawn_once_to_be_saved(few_panels, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[Figure] = []
     draw = Figure.draw
     monkeypatch.setattr(Figure, "draw", lambda self, to: (drawn.append(self), draw(self, to)))
-    figure_bytes("torques", analysis, width_mm=85.0, dpi=60)
+    render_series(few_panels, width_mm=85.0, dpi=60)
     assert len(drawn) == 1
 
 
 @pytest.mark.slow
-def test_vector_files_repeat_to_the_byte(analysis, monkeypatch: pytest.MonkeyPatch) -> None:
-    svg = figure_bytes("torques", analysis, format="svg")
+def test_vector_files_repeat_to_the_byte(few_panels, monkeypatch: pytest.MonkeyPatch) -> None:
+    svg = render_series(few_panels, "svg")
     placed = ConstrainedLayoutEngine.execute
 
     def nearly(self, figure: Figure) -> None:
@@ -283,15 +292,14 @@ def test_vector_files_repeat_to_the_byte(analysis, monkeypatch: pytest.MonkeyPat
             area._set_position((left + 2e-16, bottom - 1e-16, width + 1e-16, height - 2e-16))
 
     monkeypatch.setattr(ConstrainedLayoutEngine, "execute", nearly)
-    assert svg == figure_bytes("torques", analysis, format="svg")
+    assert svg == render_series(few_panels, "svg")
     assert "Appendix 4" in "".join(ElementTree.fromstring(svg).itertext())
-    assert figure_bytes("torques", analysis, format="pdf").startswith(b"%PDF")
 
 
 @pytest.mark.slow
-def test_without_title_and_caption_the_figure_is_lower(analysis) -> None:
+def test_without_title_and_caption_the_figure_is_lower(few_panels) -> None:
     full, bare = (
-        Image.open(io.BytesIO(figure_bytes("pose", analysis, dpi=50, title=title, caption=below)))
+        Image.open(io.BytesIO(render_series(few_panels, dpi=50, title=title, caption=below)))
         for title, below in ((None, True), ("", False))
     )
     assert bare.height < full.height
