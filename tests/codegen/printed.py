@@ -213,7 +213,7 @@ fs.writeFileSync(process.argv[3], out);
     )
 
 
-SANITIZERS = ("-O1", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
+SANITIZERS = ("-O0", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
 
 
 def sanitizes(compiler: str, folder: Path) -> bool:
