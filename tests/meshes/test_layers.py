@@ -106,7 +106,8 @@ POSES = {
 def test_no_body_passes_through_another(knee: KneeBranch) -> None:
     names = (*STANDING, *BODIES)
     shapes = {name: SolidBody(make_body(with_knee(GEOMETRY, knee), name)) for name in names}
-    free = [p for p in combinations(names, 2) if frozenset(p) not in touching()]
+    held = touching()
+    free = [p for p in combinations(names, 2) if frozenset(p) not in held]
     place = layout(with_knee(GEOMETRY, knee))
     limits = {"low": place.platform_low, "high": place.platform_high}
     hits = []

@@ -23,9 +23,7 @@ from paminsa_viz.meshes.robot_files import robot_files
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics
 from paminsa_viz.model.parameters import Counterweight
 from tests.support import samples
-from tests.support.samples import with_knee
 
-BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 LOADED = APPENDIX_4.vary({"payload.mass": 2.0})
 LONGER = LOADED.vary({"geometry.shaft_length": 0.5})
 START = (0.06, -0.04, 0.3, -0.55)
@@ -56,15 +54,23 @@ def written(files: dict[str, bytes], folder: Path) -> str:
     return str(folder / "robot.xml")
 
 
+@pytest.fixture(scope="module", params=list(KneeBranch), ids=lambda knee: knee.value)
+def exported(
+    request: pytest.FixtureRequest, mujoco: Any, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Design, Any]:
+    """A design of either knee, with the upper one of another size, and its model."""
+    size = 1.0 if request.param is KneeBranch.LOWER else 0.8
+    design = LOADED.vary({"geometry.body_scale": size}).with_knee(request.param)
+    text = exported_mjcf(design, pose=standing(START, request.param))
+    folder = tmp_path_factory.mktemp("exported")
+    return design, mujoco.MjModel.from_xml_path(written(files_of(design, text=text), folder))
+
+
 @pytest.mark.slow
-@BOTH
 def test_model_loads_and_steps_two_seconds_without_a_warning(
-    mujoco: Any, tmp_path: Path, knee: KneeBranch
+    mujoco: Any, exported: tuple[Design, Any]
 ) -> None:
-    text = exported_mjcf(with_knee(LOADED, knee), pose=standing(START, knee))
-    model = mujoco.MjModel.from_xml_path(
-        written(files_of(with_knee(LOADED, knee), text=text), tmp_path)
-    )
+    _, model = exported
     data = mujoco.MjData(model)
     for _ in range(round(2.0 / model.opt.timestep)):
         mujoco.mj_step(model, data)
@@ -113,16 +119,14 @@ def drawn(mujoco: Any, model: Any, data: Any) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.slow
-@BOTH
 def test_every_shape_is_where_the_robot_has_it_in_another_pose(
-    mujoco: Any, tmp_path: Path, knee: KneeBranch
+    mujoco: Any, exported: tuple[Design, Any]
 ) -> None:
     """Against the GLB of that pose: no vertex of either is missing in the other."""
-    size = 1.0 if knee is KneeBranch.LOWER else 0.8
-    design = LOADED.vary({"geometry.body_scale": size}).with_knee(knee)
-    model = mujoco.MjModel.from_xml_path(written(files_of(design), tmp_path))
+    design, model = exported
     data = mujoco.MjData(model)
-    configuration = inverse_kinematics(design.geometry, standing(ELSEWHERE, knee))
+    pose = standing(ELSEWHERE, design.geometry.knee)
+    configuration = inverse_kinematics(design.geometry, pose)
     values = joint_values(configuration)
     data.qpos[:] = [float(values[model.joint(i).name]) for i in range(model.njnt)]
     mujoco.mj_kinematics(model, data)
@@ -151,9 +155,10 @@ def test_every_shape_is_where_the_robot_has_it_in_another_pose(
 
 
 @pytest.mark.slow
-def test_counterweights_stay_visible() -> None:
-    weight = Counterweight("b8", 8, 0.1, 0.5)
-    root = ET.fromstring(files_of(replace(APPENDIX_4, counterweights=(weight,)))["robot.xml"])
+def test_counterweights_stay_visible_and_change_no_mesh(files: dict[str, bytes]) -> None:
+    weighed = files_of(replace(LOADED, counterweights=(Counterweight("b8", 8, 0.1, 0.5),)))
+    root = ET.fromstring(weighed.pop("robot.xml"))
+    assert weighed == {name: content for name, content in files.items() if name != "robot.xml"}
     found = [b for b in root.iter("body") if "counterweight" in b.attrib["name"]]
     assert len(found) == 3
     assert all(g.get("group") is None for b in found for g in b.iter("geom"))
@@ -177,7 +182,7 @@ def test_every_mesh_is_named_and_used_and_bars_have_the_colors_of_their_legs(
 @pytest.mark.slow
 def test_a_zip_holds_all_in_one_folder_and_repeats(files: dict[str, bytes]) -> None:
     packed = zipped(files, "robot")
-    assert packed == zipped(files_of(), "robot")
+    assert packed == zipped(files, "robot")
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
         assert archive.testzip() is None
         assert {n: archive.read(f"robot/{n}") for n in files} == files
