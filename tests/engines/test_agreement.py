@@ -47,7 +47,7 @@ def worst(found: np.ndarray, expected: np.ndarray) -> float:
 @pytest.mark.slow
 @EACH
 def test_static_torques(engine: Engine, design: Design) -> None:
-    poses = samples.random_poses(np.random.default_rng(1), design, 200, natural=False)
+    poses = samples.random_poses(np.random.default_rng(1), design, 40, natural=False)
     found = engine(design).static_torques(poses)
     assert worst(found, oracle.static_torques(design, poses)) < SHARP
     assert worst(static_torques(design, poses), found) < SHARP
@@ -56,7 +56,7 @@ def test_static_torques(engine: Engine, design: Design) -> None:
 @pytest.mark.slow
 @EACH
 def test_dynamic_torques(engine: Engine, design: Design) -> None:
-    states = samples.random_states(np.random.default_rng(2), design, 200)
+    states = samples.random_states(np.random.default_rng(2), design, 40)
     found = engine(design).inverse_dynamics(*states)
     assert worst(found, oracle.inverse_dynamics(design, *states)) < SHARP
     assert worst(inverse_dynamics(design, *states).torque, found) < SHARP

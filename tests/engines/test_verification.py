@@ -94,9 +94,8 @@ def test_counterweights_pass_too(knee: KneeBranch) -> None:
     weights = (Counterweight("b8", 8, 0.1, 0.8), Counterweight("b4", 9, -0.2, 0.3))
     found = checked(with_knee(replace(RANDOM, counterweights=weights), knee), misprints=())
     assert found.worst < SHARP
-    without = checked(with_knee(RANDOM, knee), misprints=())
-    first, second = (f.engines[0].static.reference for f in (found, without))
-    assert np.abs(first - second).max() > 1.0
+    without = oracle.static_torques(with_knee(RANDOM, knee), found.poses)
+    assert np.abs(found.engines[0].static.reference - without).max() > 1.0
 
 
 def test_formulas_as_published_disagree() -> None:
@@ -122,14 +121,14 @@ def changed(body: str, factor: float) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-@pytest.mark.parametrize("body", ["leg1_joint4", "leg2_B4", "platform", "leg3_slider"])
-def test_a_wrong_mass_in_an_exported_model_is_caught(body: str) -> None:
-    right = checked(xml=changed(body, 1.0), misprints=())
+def test_a_wrong_mass_in_an_exported_model_is_caught() -> None:
+    right = checked(xml=changed("platform", 1.0), misprints=())
     assert right.passed
     assert [check.engine for check in right.engines] == ["MuJoCo"]
-    wrong = checked(xml=changed(body, 1.01), misprints=())
-    assert not wrong.passed
-    assert wrong.worst > 10 * wrong.tolerance
+    for body in ("leg1_joint4", "leg2_B4", "platform", "leg3_slider"):
+        wrong = checked(xml=changed(body, 1.01), misprints=())
+        assert not wrong.passed, body
+        assert wrong.worst > 10 * wrong.tolerance, body
 
 
 def test_a_balanced_robot_is_measured_by_what_its_bodies_weigh() -> None:
@@ -244,10 +243,10 @@ def test_a_simulation_that_strays_ends_there(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_the_result_is_json_and_repeatable() -> None:
-    one, two, other = checked(seed=3), checked(seed=3), checked(seed=4, misprints=())
+    one, two, other = found_of_appendix_4(), checked(), checked(seed=4, misprints=(), poses=5)
     said, again = (plain(verification_data(each)) for each in (one, two))
     assert json.loads(json.dumps(said, allow_nan=False)) == said == again
-    assert not np.array_equal(one.poses, other.poses)
+    assert not np.array_equal(one.poses[:5], other.poses)
     assert (said["static_poses"], said["dynamic_states"]) == (20, one.trajectory.size)
     assert said["worst_relative"] == one.worst
     assert set(said["as_published"]) == {misprint_name(item) for item in EVERY_MISPRINT}
