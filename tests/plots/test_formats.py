@@ -34,7 +34,7 @@ def test_a_registered_format_is_found_everywhere(jpeg: str, tmp_path: Path) -> N
     assert file.name.endswith(".jpg")
     drawn = tmp_path / "map.jpg"
     assert main(["map", "--cells", "20", "--dpi", "60", "--out", str(drawn)]) == 0
-    direct = render_maps(made_up(), Scale(-5.0, 5.0), jpeg, dpi=60)
+    direct = render_maps(made_up(panels=1), Scale(-5.0, 5.0), jpeg, dpi=60)
     groups = [entry for entry in export_entries(MapStore()) if isinstance(entry, ButtonGroup)]
     assert any("JPG" in given(entry.choices, initial_state()) for entry in groups)
     for content in (file.content, drawn.read_bytes(), direct):

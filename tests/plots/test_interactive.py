@@ -11,7 +11,7 @@ import pytest
 from paminsa_viz.plots.interactive import interactive_map
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.units import number
-from tests.plots.samples import EMPTY, OWN, SCALE, made_up, real
+from tests.plots.samples import OWN, SCALE, made_up, real
 
 
 def traces(figure: Any, kind: str) -> list[Any]:
@@ -85,8 +85,9 @@ def test_the_marker_is_at_the_pose_in_every_panel() -> None:
     "choice", [ScaleChoice(), ScaleChoice(kind="symlog")], ids=lambda c: c.kind
 )
 def test_infinite_and_missing_data_become_valid_json(choice: ScaleChoice) -> None:
-    values = made_up().values.copy()
-    values[0, 13, 15] = np.inf
-    for data in (made_up(values=values), EMPTY, real(21)):
+    infinite, empty = made_up(panels=1).values.copy(), np.full((1, 27, 31), np.nan)
+    infinite[0, 13, 15] = np.inf
+    made = [made_up(panels=1, values=values) for values in (infinite, empty)]
+    for data in (*made, real(21, quantities=("tau_1",))):
         text = interactive_map(data, choose_scales(data, choice)).to_json()
         json.loads(text, parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))

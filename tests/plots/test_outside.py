@@ -62,7 +62,7 @@ def test_reasons_differ_by_the_direction_of_their_lines() -> None:
     for code in range(1, 1 + len(hatching.STROKES)):
         texts = ("", *"abcd")
         one = Outside(np.full_like(cells, code), texts, ("", *(RED,) * 4))
-        drawn.append(inked(live(replace(data, outside=one), SCALES[:1], 600), RED))
+        drawn.append(inked(live(replace(data, outside=one), SCALES[:1], 300), RED))
     for i, first in enumerate(drawn):
         for second in drawn[i + 1 :]:
             assert (first != second).mean() > 0.01
@@ -72,10 +72,10 @@ def test_reasons_differ_by_the_direction_of_their_lines() -> None:
 def test_print_has_the_hatching_and_names_the_reasons() -> None:
     data = made_up(panels=1)
     shown = replace(data, outside=halves())
-    svg = render_maps(shown, SCALES[:1], "svg").decode()
+    svg = render_maps(shown, SCALES[:1], "svg", width_mm=85.0).decode()
     assert RED in svg
     assert BLUE in svg
-    assert RED not in render_maps(data, SCALES[:1], "svg").decode()
+    assert RED not in render_maps(data, SCALES[:1], "svg", width_mm=85.0).decode()
     assert "requirements broken (κ, τ₁)" in caption(shown, SCALES[:1])
     none = replace(data, outside=replace(halves(), code=np.zeros((27, 31), np.uint8)))
     assert caption(none, SCALES[:1]) == caption(data, SCALES[:1])

@@ -93,6 +93,5 @@ def test_a_singular_pose_has_reasons_in_place_of_numbers() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("leg", ["leg1", "leg3"])
-def test_legs_that_cannot_close_say_so(leg: str) -> None:
-    assert "have no position" in notes(section(APPENDIX_4.vary({f"{leg}.bar_89": 0.9})))
+def test_legs_that_cannot_close_say_so() -> None:
+    assert "have no position" in notes(section(APPENDIX_4.vary({"leg3.bar_89": 0.9})))

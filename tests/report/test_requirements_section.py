@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.blocks import requirements as section
+from paminsa_viz.blocks import synthesis
 from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.cli.output import ascii_numbers
 from paminsa_viz.model import APPENDIX_4
@@ -83,7 +84,9 @@ def test_relaxed_bounds_are_rounded_to_the_side_that_helps(size: float, most: bo
     assert -1e-9 * size <= helps <= 1.1e-3 * size
 
 
-def test_a_search_is_told_with_what_it_changed() -> None:
+def test_a_search_is_told_with_what_it_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for whether the robot can be built, which takes longer than all else."""
+    monkeypatch.setattr(synthesis, "buildability_blocks", lambda _: [])
     needs = Requirements(NEEDS.bounds[:1], NEEDS.theta, NEEDS.workspace)
     path = "geometry.base_radius"
     case = SynthesisCase(
