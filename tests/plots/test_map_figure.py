@@ -147,12 +147,13 @@ def test_nothing_is_cut_off_at_the_edges(width: float, quantities: Any, times: i
 
 
 @cache
-def column(format: str, end: float = 5.0, **options: Any) -> bytes:
-    """Return a map as wide as a column of print."""
-    return drawn(format, end, **options)
+def column(format: str, **options: Any) -> bytes:
+    """What several tests look at."""
+    return drawn(format, **options)
 
 
 def drawn(format: str, end: float = 5.0, **options: Any) -> bytes:
+    """Return a map as wide as a column of print."""
     return render_maps(
         made_up(panels=1), Scale(-end, end), format, width_mm=85.0, dpi=60, **options
     )
@@ -174,7 +175,7 @@ def test_equal_input_gives_equal_bytes_in_any_thread(format: str) -> None:
 def test_an_svg_can_be_read_and_has_its_size() -> None:
     tree = ElementTree.fromstring(column("svg"))
     assert tree.tag == f"{SVG}svg"
-    assert float(tree.attrib["width"].removesuffix("pt")) == pytest.approx(85 / 25.4 * 72, abs=0.6)
+    assert float(tree.attrib["width"].removesuffix("pt")) == pytest.approx(85 / 25.4 * 72, abs=0.3)
     counts = [len(tree.findall(f".//{SVG}{tag}")) for tag in ("image", "path", "text")]
     assert counts[0] > 0
     assert counts[1] > 80
@@ -192,7 +193,7 @@ def test_a_pdf_embeds_its_fonts() -> None:
     assert sum(len(zlib.decompress(s)) for s in streams if s[:1] == b"\x78") > 10_000
     box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+)", pdf)
     assert box is not None
-    assert float(box[1]) == pytest.approx(85 / 25.4 * 72, abs=0.6)
+    assert float(box[1]) == pytest.approx(85 / 25.4 * 72, abs=0.3)
 
 
 def test_matplotlib_settings_of_the_user_are_neither_used_nor_changed() -> None:
