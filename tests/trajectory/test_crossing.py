@@ -38,7 +38,7 @@ from paminsa_viz.trajectory.crossing import (
     crossings,
 )
 from paminsa_viz.trajectory.crossing_program import CrossingProgram
-from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.paths import Path, spline_path, straight_path
 from paminsa_viz.trajectory.sampled import Passage
 from paminsa_viz.trajectory.time_optimal import CrossingRefused, TimeOptimalPlan, time_optimal
 from tests.support.samples import random_design, random_states
@@ -359,6 +359,16 @@ def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
             continue
         tried += 1
         assert_torques_keep(design, found, 1.005 * limit, 2e-3 * limit)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [LINE, TURN], ids=["line", "turn"])
+def test_limits_are_kept_between_the_points_of_the_program(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With one point in each piece a program exceeds them by 6 and 16 %, until rows are added."""
+    monkeypatch.setattr(program, "POINTS", 1)
+    assert_torques_keep(BALANCED, time_optimal(BALANCED, path, TEN), 10.03, 0.02)
 
 
 @pytest.mark.slow
