@@ -7,6 +7,7 @@ import json
 import re
 import runpy
 import shlex
+import sys
 from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
@@ -97,7 +98,11 @@ def test_site_is_built_without_warnings_and_its_search_finds_all_public_names(tm
     )
     assert config.strict  # the first warning ends it
     config.plugins["mkdocstrings"].config.handlers["python"]["options"]["line_length"] = 10_000
-    building.build(config)
+    depth = sys.getrecursionlimit()
+    try:
+        building.build(config)
+    finally:
+        sys.setrecursionlimit(depth)  # mkdocstrings raises it
     assert (tmp_path / "design-file" / "index.html").exists()
     assert not (tmp_path / "generate.py").exists()
     entries = json.loads((tmp_path / "search" / "search_index.json").read_text())["docs"]
