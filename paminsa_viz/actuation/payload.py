@@ -9,8 +9,6 @@ the payload changes the torques by no more than a given share.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +18,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory import Trajectory, analyze
-from paminsa_viz.trajectory.integrals import time_weights
+from paminsa_viz.trajectory.integrals import mean_weights
 
 SLOWEST, FASTEST = 1e3, 1e-3
 """Time scalings between which one is looked for."""
@@ -43,20 +41,16 @@ class PayloadChange(NamedTuple):
     rms: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Torques:
-    """Torques of M1..M3 on a motion (n, 3) [N m]: at rest, dynamic without and with the payload."""
+class _Torques(NamedTuple):
+    """Torques of M1..M3 on a motion (n, 3) [N m]: at rest, dynamic without and with the payload.
 
-    t: Array
+    The weights (n,) are those of its samples in a mean over time.
+    """
+
+    weights: Array
     gravity: Array
     bare: Array
     full: Array
-
-    @cached_property
-    def weights(self) -> Array:
-        """Of the samples in a mean over time (n,)."""
-        t = self.t
-        return time_weights(t) / (t[-1] - t[0]) if len(t) > 1 else np.ones(1)
 
     def change(self, slower: float) -> PayloadChange:
         without = self.gravity + self.bare / slower**2
@@ -140,4 +134,4 @@ def _torques(design: Design, motion: Trajectory, mass: float) -> _Torques:
     analyses[0].check.require()
     parts = [analysis.breakdown for analysis in analyses]
     dynamic = [(part.inertial + part.velocity)[:, :3] for part in parts]
-    return _Torques(motion.t, (parts[0].gravity + parts[0].load)[:, :3], *dynamic)
+    return _Torques(mean_weights(motion.t), (parts[0].gravity + parts[0].load)[:, :3], *dynamic)

@@ -18,7 +18,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.trajectory.integrals import time_weights
+from paminsa_viz.trajectory.integrals import mean_weights, time_weights
 from paminsa_viz.trajectory.solved import SolvedTrajectory
 
 ROTARY = (0, 1, 2)
@@ -230,8 +230,7 @@ class TrajectoryRms(_Effort):
     def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
-        t = self.solved.trajectory.t
-        weight = np.sqrt(time_weights(t) / ((t[-1] - t[0]) * len(self.actuators)))
+        weight = np.sqrt(mean_weights(self.solved.trajectory.t) / len(self.actuators))
         matrix, offset = matrix * weight[:, None, None], offset * weight[:, None]
         return Norm.of_many(matrix.reshape(-1, matrix.shape[-1]), offset.ravel())
 

@@ -157,7 +157,8 @@ def _run(words: list[str]) -> int:
         flags = parse(module.FLAGS, words, program, module.DESCRIPTION)
         try:
             return flags.run()
-        except InvalidInput as error:  # of a function, whose argument has the flag's value
+        except InvalidInput as error:
+            # of a function, whose argument has the flag's value, and may say its unit
             if flag := given_flag(flags, error.argument.removesuffix("_mm")):
                 raise UsageError(f"{flag}: {error.problem}") from error
             raise

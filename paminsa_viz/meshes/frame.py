@@ -58,7 +58,9 @@ def ground(radius: float, place: FrameLayout) -> MeshPart:
     while radius > MOST_CIRCLES * step:
         step *= 10
     lines = np.arange(step, radius - 0.05, step)
-    return part.add("line", flat_rings(lines, 0.0036, top + 0.0006, 60)) if len(lines) else part
+    if lines.size:
+        part.add("line", flat_rings(lines, 0.0036, top + 0.0006, 60))
+    return part
 
 
 def base(radius: float, place: FrameLayout, knee: KneeBranch) -> MeshPart:

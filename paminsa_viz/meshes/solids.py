@@ -73,15 +73,12 @@ def _split(mesh: trimesh.Trimesh, joined: Array) -> trimesh.Trimesh:
 
     Patches are in the order of their first faces, on every processor and with every trimesh.
     """
-    count = len(mesh.faces)
-    labels = trimesh.graph.connected_component_labels(joined, node_count=count)
-    _, first, patch = np.unique(labels, return_index=True, return_inverse=True)
-    patch = np.argsort(np.argsort(first))[patch]
+    labels = trimesh.graph.connected_component_labels(joined, node_count=len(mesh.faces))
+    _, first, label = np.unique(labels, return_index=True, return_inverse=True)
+    patch, count = first[label], len(mesh.vertices)
     order = np.argsort(patch, kind="stable")
-    corners = np.asarray(mesh.faces)[order] + (patch[order] * len(mesh.vertices))[:, None]
-    kept, faces = np.unique(corners, return_inverse=True)
-    vertices = mesh.vertices[kept % len(mesh.vertices)]
-    return trimesh.Trimesh(vertices, faces.reshape(-1, 3), process=False)
+    corners, faces = np.unique(patch[order, None] * count + mesh.faces[order], return_inverse=True)
+    return trimesh.Trimesh(mesh.vertices[corners % count], faces.reshape(-1, 3), process=False)
 
 
 def _made_once(kind: str, numbers: Array, make: Callable[[], trimesh.Trimesh]) -> trimesh.Trimesh:

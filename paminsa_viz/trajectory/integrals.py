@@ -71,3 +71,8 @@ def time_weights(t: Array) -> Array:
         for i in range(first, len(t), 6):
             weights[i] = total[min(i + 2, len(t) - 1)] - total[max(i - 3, 0)]
     return np.maximum(weights, 0.0)  # against rounding
+
+
+def mean_weights(t: Array) -> Array:
+    """Return the weights (n,) with which samples at times t add up to a mean over time."""
+    return time_weights(t) / (t[-1] - t[0]) if len(t) > 1 else np.ones(1)

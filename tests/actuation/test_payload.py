@@ -15,6 +15,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.trajectory import PRESET, analyze
+from paminsa_viz.trajectory.integrals import mean_weights
 from tests.support.samples import random_design
 
 
@@ -69,7 +70,7 @@ def test_readings_are_those_of_the_actuator_that_changes_most(seed: int) -> None
         for a, b in zip(one.T, two.T, strict=True):
             peak, mean = max(abs(a)), np.sqrt(np.trapezoid(a**2, t) / np.trapezoid(b**2, t))
             changes.append((max(abs(b - a)) / peak, abs(max(abs(b)) / peak - 1), abs(1 / mean - 1)))
-        found = _Torques(t, gravity, bare, full).change(slower)
+        found = _Torques(mean_weights(t), gravity, bare, full).change(slower)
         assert found[:2] == pytest.approx(np.max(changes, axis=0)[:2], rel=1e-12)
         assert found.rms == pytest.approx(max(change[2] for change in changes), rel=0.1)
 
@@ -84,7 +85,7 @@ def test_scalings_are_looked_for_between_a_thousandth_and_a_thousand(
     """Where the payload's torque is at its largest the robot's is zero: its share is c/s^2."""
     gravity, none = np.array([[1.0], [0.0]]) * np.ones(3), np.zeros((2, 3))
     full = np.array([[0.0], [0.05 * root**2]]) * np.ones(3)
-    torques = _Torques(np.array([0.0, 1.0]), gravity, none, full)
+    torques = _Torques(np.full(2, 0.5), gravity, none, full)
     monkeypatch.setattr(payload, "_torques", lambda *_: torques)
     motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(2)
     scaling = payload_time_scaling(APPENDIX_4, motion, 1.0)

@@ -49,7 +49,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.map_values import half_width
 from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
-from paminsa_viz.trajectory.integrals import time_weights
+from paminsa_viz.trajectory.integrals import mean_weights
 
 FRONT_POINTS = 12
 MIDDLE, MIDDLE_CELLS = 0.75, 21
@@ -206,8 +206,8 @@ def dynamic_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
         solved = motion(job)
     except PaminsaError:
         return np.nan, np.nan
-    t, torque = solved.trajectory.t, solved.torques(design)[:, :3]
-    square = time_weights(t) @ torque**2 / (t[-1] - t[0])
+    torque = solved.torques(design)[:, :3]
+    square = mean_weights(solved.trajectory.t) @ torque**2
     return float(np.abs(torque).max()), float(np.sqrt(square.mean()))
 
 

@@ -191,8 +191,7 @@ def test_shortest_duration_keeps_its_limits(profile: Profile) -> None:
     assert "reaches" in motions.planned(state).bound
     motion = trajectory(state)
     assert np.linalg.norm(motion.velocity[:, [0, 1, 3]], axis=1).max() <= 1.0 + 1e-9
-    if profile is Profile.QUINTIC:
-        assert trajectory(motions.limit(state, "speed", 0.1)).duration > motion.duration
+    assert trajectory(motions.limit(state, "speed", 0.1)).duration > motion.duration
 
 
 def test_impossible_durations_are_explained(failing: State) -> None:

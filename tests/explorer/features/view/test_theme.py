@@ -103,11 +103,11 @@ def test_maps_have_the_theme_around_the_cells_and_the_same_cells(ground: Theme) 
 def test_exported_maps_are_light_on_every_page() -> None:
     store, one = MapStore(), actions.move(STATE, theta=0.5)
     one = one.updated("export", single=True, width=90.0, dpi=50.0)
-    light, dark = (
+    auto, light, dark = (
         exports.figure(replace(one, appearance=appearance), store, "png")
-        for appearance in (Appearance.LIGHT, Appearance.DARK)
+        for appearance in Appearance
     )
-    assert light == dark
+    assert auto == light == dark
 
 
 @BOTH
