@@ -9,7 +9,7 @@ import pytest
 
 HEAVY = (
     "viser", "websockets", "matplotlib", "contourpy", "plotly", "PIL", "mujoco", "pinocchio",
-    "trimesh", "mcubes", "fast_simplification", "jinja2", "rich", "tyro", "numba",
+    "trimesh", "skimage", "fast_simplification", "jinja2", "rich", "tyro", "numba",
 )  # fmt: skip
 
 IMPORTS = f"""

@@ -93,7 +93,7 @@ def test_margin_of_what_cuts_is_zero_at_the_surface(volume: Volume, surface: Vol
     for index in range(3):
         code = next(c.code for c in volume.causes if c.requirement == index)
         points = surface.vertices[surface.cause == code]
-        points = points[:: len(points) // 60 + 1]
+        points = points[:: len(points) // 100 + 1]
         assert len(points) > 30
         theta = np.linspace(-TURN, TURN, volume.headings)
         bound = volume.requirements.bounds[index]
@@ -242,6 +242,18 @@ def test_a_surface_is_where_the_depth_is_zero_and_closed_at_the_edge() -> None:
         mesh = trimesh.Trimesh(vertices, faces, process=False)
         assert mesh.is_watertight
         assert mesh.volume > 0.0
+
+
+def test_a_surface_is_closed_whatever_the_depths_and_through_nodes_too() -> None:
+    rng = np.random.default_rng(1)
+    for digits in (1, 16):
+        depth = np.round(rng.normal(size=(20, 20, 20)), digits)
+        vertices, faces = zero_surface(depth)
+        mesh = trimesh.Trimesh(vertices, faces, process=False)
+        assert mesh.is_watertight, digits
+        assert mesh.is_winding_consistent, digits
+        on_an_edge = (vertices == np.round(vertices)).sum(axis=1) >= 2
+        assert on_an_edge.all(), digits
 
 
 def test_worst_of_two_requirements_is_named() -> None:

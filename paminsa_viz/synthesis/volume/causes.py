@@ -53,6 +53,9 @@ class VolumeCause(NamedTuple):
     leg: int | None = None
 
 
+_THROUGH_A_NODE = 1e-5
+"""Depth below which a node counts as inside the volume, as a part of the largest depth."""
+
 INSIDE, OTHER_SIDE, SINGULAR, DISCONNECTED, FIRST_REACH = range(5)
 FIRST_REQUIREMENT = FIRST_REACH + 3 * len(MARGINS)
 """Codes: reach is FIRST_REACH + 4 * leg + limit, requirements count from FIRST_REQUIREMENT."""
@@ -255,13 +258,18 @@ def margin_distance(margin: Array, slope: Array, step: float) -> Array:
 def zero_surface(depth: Array) -> tuple[Array, NDArray[np.int64]]:
     """Return the closed surface where a depth is zero: vertices [nodes] and faces.
 
-    By marching cubes (Lorensen and Cline 1987). Beyond the last nodes is outside, and the faces'
-    normals point there.
+    By marching cubes (Lorensen and Cline 1987), so that each vertex is on an edge of the grid.
+    Beyond the last nodes is outside, and the faces' normals point there.
+
+    Args:
+        depth: (x, y, z) on nodes, above zero inside; somewhere it is.
     """
     # Late: needed only where there is a volume.
-    import mcubes
+    from skimage.measure import marching_cubes
 
     size = float(np.abs(depth).max())
     edge = np.pad(depth, 1, constant_values=-size)
-    vertices, faces = mcubes.marching_cubes(edge, 0.0)
-    return vertices - 1.0, faces.astype(np.int64)
+    # A surface through a node itself would have faces without area there, and gaps between them.
+    edge[np.abs(edge) < _THROUGH_A_NODE * size] = _THROUGH_A_NODE * size
+    vertices, faces, *_ = marching_cubes(edge, 0.0, method="lorensen", gradient_direction="ascent")
+    return vertices.astype(float) - 1.0, faces.astype(np.int64)
