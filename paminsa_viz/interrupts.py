@@ -57,7 +57,8 @@ def exit_on_interrupt(program: str) -> None:
         program: Name that begins the line.
     """
     reading, writing = os.pipe()
-    os.set_blocking(writing, False)
+    if hasattr(os, "set_blocking"):  # not on Windows before Python 3.12, which does not ask for it
+        os.set_blocking(writing, False)
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     signal.signal(signal.SIGINT, lambda *_: None)
     # Last, as it takes longest: a signal that comes before it waits in the pipe.
