@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from glob import escape
@@ -13,6 +14,9 @@ from typing import Any, TextIO
 
 from paminsa_viz.errors import FileError
 from paminsa_viz.interrupts import indivisible, on_interrupt
+
+OPEN_FILES_STAY = sys.platform == "win32"
+"""Whether the system refuses to remove a file that is open."""
 
 
 @contextmanager
@@ -64,7 +68,7 @@ def file_errors(
 
 def keep_others_off(
     number: int, name: str | os.PathLike[str], kind: type[FileError] = FileError
-) -> None:
+) -> bool:
     """Lock an open file until it is closed, or this process is gone.
 
     Args:
@@ -72,11 +76,16 @@ def keep_others_off(
         name: The file, as the person wrote it.
         kind: The error's type.
 
+    Returns:
+        Whether it is locked; it is not where there are no locks.
+
     Raises:
         FileError: If another process has locked it.
     """
-    if _lock(number) is False:
+    locked = _lock(number)
+    if locked is False:
         raise kind(os.fspath(name), "is being written by another process")
+    return bool(locked)
 
 
 def _lock(number: int) -> bool | None:
@@ -203,6 +212,7 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     name = os.fspath(path)
     target, mode = _target(path)
     temporary: Path | None = None
+    number: int | None = None
     lock: int | None = None
 
     def remove() -> None:
@@ -210,7 +220,13 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
             with suppress(OSError):
                 temporary.unlink()
 
-    with on_interrupt(remove):
+    def interrupt() -> None:
+        if OPEN_FILES_STAY and number is not None:
+            with suppress(OSError):  # it is closed already
+                os.close(number)
+        remove()
+
+    with on_interrupt(interrupt):
         try:
             with indivisible():
                 _remove_abandoned(target)
@@ -255,9 +271,13 @@ def _remove_abandoned(target: Path) -> None:
     """Remove temporary files that a process has left which was killed while it wrote a target."""
     with suppress(OSError):  # a folder that cannot be read
         for path in target.parent.glob(f"{escape(_beginning(target))}{'[0-9a-f]' * 8}.tmp"):
-            with suppress(OSError), open(path, "rb") as file:
-                if _lock(file.fileno()):  # nobody writes it
+            with suppress(OSError):
+                if OPEN_FILES_STAY:  # so nobody writes one that can be removed
                     path.unlink()
+                    continue
+                with open(path, "rb") as file:
+                    if _lock(file.fileno()):  # nobody writes it
+                        path.unlink()
 
 
 def _beginning(target: Path) -> str:

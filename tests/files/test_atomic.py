@@ -7,11 +7,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from paminsa_viz import interrupts
 from paminsa_viz.errors import FileError
 from paminsa_viz.files import atomic
 from paminsa_viz.files.atomic import (
@@ -302,3 +304,42 @@ def test_a_file_that_is_written_stays_locked_until_it_is_in_place(
     assert replaced == [tmp_path / "a.bin"]
     with open(tmp_path / "a.bin", "rb") as file:
         fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)  # and no longer
+
+
+def test_where_open_files_stay_neither_a_stop_nor_a_kill_leaves_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, where there are no locks either."""
+    opened: set[int] = set()
+
+    def unlink(path: Path, real=os.unlink) -> None:
+        found = []
+        for number in opened:
+            with suppress(OSError):  # it is closed
+                found.append(os.path.samestat(os.fstat(number), os.stat(path)))
+        if any(found):
+            raise PermissionError("it is open")
+        real(path)
+
+    def noted(*given: Any, real=os.open) -> int:
+        opened.add(number := real(*given))
+        return number
+
+    monkeypatch.setattr(atomic, "OPEN_FILES_STAY", True)
+    monkeypatch.setattr(atomic, "_lock", lambda number: None)
+    monkeypatch.setattr(os, "unlink", unlink)
+    monkeypatch.setattr(os, "open", noted)
+    path = tmp_path / "a.txt"
+    writing = open_atomically(path)
+    writing.__enter__().write("half")
+    assert len(list(tmp_path.iterdir())) == 1
+    interrupts._actions[-1]()  # as Ctrl-C does, which ends the process then
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(FileError):
+        writing.__exit__(None, None, None)
+    (tmp_path / ".a.txt.0123abcd.tmp").touch()
+    with open_atomically(path) as file:
+        file.write("last")
+        write_bytes(path, b"meanwhile")  # the file that is being written stays
+    assert path.read_text() == "last"
+    assert list(tmp_path.iterdir()) == [path]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import FileError
+from paminsa_viz.files import atomic
 from paminsa_viz.synthesis import Effort, Regime
 from paminsa_viz.synthesis.masses.case import InnerCase
 from paminsa_viz.synthesis.search import checkpoint
@@ -181,3 +183,36 @@ def test_a_file_is_locked_until_it_is_closed_and_nothing_else_is_closed(
     monkeypatch.undo()
     with Checkpoint(path, CYLINDER) as again:
         assert again.states == STATES[:1]
+
+
+def is_open(path: Path) -> bool:
+    """Whether this process has a file open."""
+    wanted = path.stat()
+    for number in range(3, 512):
+        with suppress(OSError):  # nothing has this number
+            found = os.fstat(number)
+            if (found.st_dev, found.st_ino) == (wanted.st_dev, wanted.st_ino):
+                return True
+    return False
+
+
+def test_where_there_are_no_locks_no_file_is_open_while_it_is_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows refuses it; how a file is asked for may change its number there."""
+    path = tmp_path / "at.json"
+    replaced: list[list[bool]] = []
+
+    def replace_file(source: Path, target: Path, real=os.replace) -> None:
+        replaced.append([is_open(each) for each in (source, target)])
+        real(source, target)
+
+    monkeypatch.setattr(atomic, "_lock", lambda number: None)
+    monkeypatch.setattr(os, "replace", replace_file)
+    monkeypatch.setattr(os.path, "samestat", pytest.fail)
+    with Checkpoint(path, CYLINDER) as file:
+        file.save(STATES)
+        assert not is_open(path)
+    assert replaced == [[False, False]] * 2
+    with Checkpoint(path, CYLINDER) as again:
+        assert again.states == STATES

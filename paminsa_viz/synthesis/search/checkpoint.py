@@ -109,7 +109,9 @@ class Checkpoint:
                 json.dump(data, file, allow_nan=False)
                 # The file that replaces the old one is locked before it is in place.
                 lock = os.dup(file.fileno())
-                keep_others_off(lock, self._path)
+                if not keep_others_off(lock, self._path):
+                    os.close(lock)  # Windows replaces no file that is open, and has no such locks
+                    lock = None
         except BaseException:
             if lock is not None:
                 os.close(lock)
@@ -125,21 +127,27 @@ class Checkpoint:
             raise
 
 
-def _locked(path: str | os.PathLike[str]) -> tuple[int, bytes]:
-    """Lock a file, which is made where there is none; return its descriptor and its content."""
+def _locked(path: str | os.PathLike[str]) -> tuple[int | None, bytes]:
+    """Lock a file, which is made where there is none.
+
+    Returns:
+        Its descriptor, None where there are no locks and it is closed again, and its content.
+    """
     while True:
         number = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+        kept = False
         try:
-            keep_others_off(number, path)
-            if os.path.samestat(os.fstat(number), os.stat(path)):
+            locked = keep_others_off(number, path)
+            if not locked or os.path.samestat(os.fstat(number), os.stat(path)):
                 with open(number, "rb", closefd=False) as file:
-                    return number, file.read(LARGEST_FILE)
+                    content = file.read(LARGEST_FILE)
+                kept = locked
+                return (number if locked else None), content
         except FileNotFoundError:
-            pass
-        except BaseException:
-            os.close(number)
-            raise
-        os.close(number)  # meanwhile another process has put a new file in its place
+            pass  # meanwhile another process has put a new file in its place
+        finally:
+            if not kept:
+                os.close(number)
 
 
 def _read(content: bytes, name: str, case: SynthesisCase) -> tuple[RegimeState, ...]:
