@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -25,6 +26,9 @@ Result = TypeVar("Result")
 
 AHEAD = 3
 """Tasks in hand for each worker, the current one included."""
+
+MOST_PROCESSES = 61 if sys.platform == "win32" else sys.maxsize
+"""How many processes Python can wait for at a time."""
 
 CONNECT_TIMEOUT = 15
 """How long to look for a cluster's scheduler [s]."""
@@ -75,11 +79,14 @@ def processes(count: int | None = None) -> Iterator[Workers]:
         count: Their number; None for one on each core. One process is this one.
 
     Raises:
-        InvalidInput: If the number is below 1.
+        InvalidInput: If the number is below 1, or above what the system allows.
     """
-    count = _cores() if count is None else count
+    count = min(_cores(), MOST_PROCESSES) if count is None else count
     if count < 1:
         raise InvalidInput("workers", f"one process at least is needed, not {count}")
+    if count > MOST_PROCESSES:
+        problem = f"on Windows there can be {MOST_PROCESSES} processes at most, not {count}"
+        raise InvalidInput("workers", problem)
     if count == 1:
         yield here
         return
@@ -138,6 +145,8 @@ def _cores() -> int:
 
 def _start_quiet_tracker() -> None:
     """Start the process that removes what a stopped program leaves, without a word of it."""
+    if sys.platform == "win32":
+        return  # nothing has to be removed there, and there is no such process
     variable = "PYTHONWARNINGS"
     before = os.environ.get(variable)
     os.environ[variable] = ",".join(filter(None, (before, "ignore:resource_tracker")))

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import time
 from concurrent.futures import Executor, Future
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.studies import Workers, processes
+from paminsa_viz.studies import Workers, executors, processes
 from paminsa_viz.studies.executors import _cores, _start_quiet_tracker, here
 from tests.support.chromium import until
 
@@ -83,6 +84,27 @@ def test_fewer_than_one_process_is_refused(count: int) -> None:
         processes(count).__enter__()
 
 
+def test_windows_waits_for_61_processes_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python refuses more there; a machine of 64 cores is no reason to fail."""
+    made: list[int] = []
+
+    def pool(count: int, **_: object) -> Executor:
+        made.append(count)
+        raise ArithmeticError
+
+    monkeypatch.setattr(executors, "MOST_PROCESSES", 61)
+    monkeypatch.setattr(executors, "ProcessPoolExecutor", pool)
+    monkeypatch.setattr(executors, "_cores", lambda: 64)
+    monkeypatch.setattr(executors, "_start_quiet_tracker", lambda: None)
+    monkeypatch.setattr(executors.backend, "compile_now", lambda: None)
+    for count in (None, 61):
+        with pytest.raises(ArithmeticError):
+            processes(count).__enter__()
+    with pytest.raises(InvalidInput, match="on Windows there can be 61 processes at most, not 62"):
+        processes(62).__enter__()
+    assert made == [61, 61]
+
+
 def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {1, 5, 7}, raising=False)
     assert _cores() == 3
@@ -109,3 +131,11 @@ def test_warnings_of_children_are_as_before(
         "ignore:resource_tracker" if before is None else f"{before},ignore:resource_tracker"
     ]
     assert os.environ.get("PYTHONWARNINGS") == before
+
+
+def test_windows_has_no_process_that_removes_what_others_leave(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(executors, "sys", SimpleNamespace(platform="win32"))
+    monkeypatch.setattr(executors.resource_tracker, "ensure_running", pytest.fail)
+    _start_quiet_tracker()
