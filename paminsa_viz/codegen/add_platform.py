@@ -12,6 +12,7 @@ from __future__ import annotations
 import io
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -52,20 +53,23 @@ def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
         raise NotBuilt("it has no C sources in its folder sources/")
     binary = model[:-2] + ending
     try:
-        command = shlex.split(compiler)
+        command = compiler_words(compiler)
     except ValueError as error:
         raise NotBuilt(f"compiler {compiler!r}: {error}") from None
     if not command:
         raise NotBuilt("a compiler has to be named")
     command += ["-std=c99", "-O2", "-ffp-contract=off", "-shared"]
-    command += [] if platform.startswith("win") else ["-fPIC", "-fvisibility=hidden"]
-    command += [model, "-o", binary, "-lm"]
+    windows = platform.startswith("win")  # has no library m: clang would look for m.lib
+    command += [] if windows else ["-fPIC", "-fvisibility=hidden"]
+    command += [model, "-o", binary, *([] if windows else ["-lm"])]
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             with open(os.path.join(folder, name), "wb") as file:
                 file.write(text)
         try:
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+            done = subprocess.run(
+                command, cwd=folder, capture_output=True, encoding="utf-8", errors="replace"
+            )
         except OSError as error:
             raise NotBuilt(f"{compiler}: {error.strerror}") from None
         if done.returncode:
@@ -82,6 +86,24 @@ def with_platform(fmu: bytes, platform: str, compiler: str) -> bytes:
             info.compress_type, info.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(info, content)
     return stream.getvalue()
+
+
+def compiler_words(compiler: str, separator: str = os.sep) -> list[str]:
+    """Return the words of a compiler's command; a path alone may have spaces.
+
+    Args:
+        compiler: The command.
+        separator: What separates the folders of a path; it escapes nothing.
+
+    Raises:
+        ValueError: If a quotation is not closed.
+    """
+    if shutil.which(compiler):
+        return [compiler]
+    lexer = shlex.shlex(compiler, posix=True)
+    lexer.whitespace_split, lexer.commenters = True, ""
+    lexer.escape = lexer.escape.replace(separator, "")
+    return list(lexer)
 
 
 def main(words: list[str]) -> int:

@@ -19,7 +19,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from paminsa_viz.codegen import add_platform
-from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
+from paminsa_viz.codegen.add_platform import NotBuilt, compiler_words, with_platform
 from paminsa_viz.codegen.fmu import (
     FmuKind,
     NoCompiler,
@@ -361,6 +361,9 @@ import json, pathlib, sys
 words = sys.argv[1:]
 if "--fail" in words:
     sys.exit(3)
+if "--old" in words:
+    sys.stderr.buffer.write(b"d\\xe9faut")
+    sys.exit(1)
 if "--say" in words:
     sys.exit("model.c:\\n  " + 600 * "x")
 pathlib.Path(words[words.index("-o") + 1]).write_text(json.dumps(words))
@@ -436,7 +439,9 @@ def test_a_platform_is_added_with_its_own_name_and_options(platform: str, tmp_pa
             assert archive.read(name).decode() == text
         words = json.loads(archive.read(binary))
     assert words[0] == "-m64"
-    assert words[-4:] == ["paminsa_inverse.c", "-o", f"paminsa_inverse.{ending}", "-lm"]
+    last = ["paminsa_inverse.c", "-o", f"paminsa_inverse.{ending}"]
+    # Windows has no library m: clang's linker there looks for a file m.lib and fails.
+    assert words[words.index(last[0]) :] == (last if platform == "win64" else [*last, "-lm"])
     assert {"-std=c99", "-shared", "-ffp-contract=off"} <= set(words)
     assert ("-fPIC" in words) == ("-fvisibility=hidden" in words) == (platform != "win64")
     with pytest.raises(NotBuilt, match="failed: exit code 3"):
@@ -446,6 +451,23 @@ def test_a_platform_is_added_with_its_own_name_and_options(platform: str, tmp_pa
         with_platform(packed, platform, compiler)
     start = f"{compiler} failed: "
     assert str(caught.value) == (start + "model.c: " + 600 * "x")[: len(start) + 500]
+    with pytest.raises(NotBuilt, match="failed: d\ufffdfaut"):  # in the code page of a terminal
+        with_platform(packed, platform, f"{sys.executable} {script} --old")
+
+
+def test_a_compiler_is_a_path_with_spaces_or_a_command_and_its_options(tmp_path: Path) -> None:
+    """Backslashes separate folders on Windows, elsewhere they escape what follows."""
+    path = tmp_path / "my compiler"
+    path.write_text("#!/bin/sh\n")
+    path.chmod(0o755)
+    clang = r"C:\Program Files\LLVM\bin\clang.exe"
+    for text, separator, words in (
+        (str(path), "/", [str(path)]),
+        (r"C:\msys64\bin\gcc.exe -m32", "\\", [r"C:\msys64\bin\gcc.exe", "-m32"]),
+        (f'"{clang}" -g', "\\", [clang, "-g"]),
+        (r"my\ gcc '-DA=#1'", "/", ["my gcc", "-DA=#1"]),
+    ):
+        assert compiler_words(text, separator) == words, text
 
 
 def test_without_a_compiler_or_a_start_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:

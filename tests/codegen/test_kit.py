@@ -357,6 +357,14 @@ def test_the_header_needs_no_memory_no_globals_and_only_math_h() -> None:
     assert all("static const" in line for line in statics)
 
 
+def test_msvc_reads_no_word_that_its_c_lacks(tmp_path: Path) -> None:
+    """It knows `restrict` only from /std:c11 on, in C as in C++."""
+    write(tmp_path, APPENDIX_4)
+    command = ["gcc", "-std=c99", "-fsyntax-only", "-D_MSC_VER=1944", "-Drestrict=?", "test.c"]
+    checked = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stderr[:2000]
+
+
 def test_names_from_outside_cannot_leave_their_comment() -> None:
     for name in ('*/ int x; /* "\n\\u00e9', "a/*/*b", "*//**/"):
         first = controller_kit(replace(APPENDIX_4, name=name))["design.h"].splitlines()[0]

@@ -62,7 +62,9 @@ typedef struct {
 #define PAMINSA_FLAT
 #endif
 
-#ifdef __cplusplus
+#if defined _MSC_VER /* its C has the keyword only from /std:c11 on */
+#define PAMINSA_RESTRICT __restrict
+#elif defined __cplusplus
 #define PAMINSA_RESTRICT
 #else
 #define PAMINSA_RESTRICT restrict
