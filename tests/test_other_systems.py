@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import signal
 import subprocess
 import sys
 from pathlib import Path
 from threading import Event
+from types import SimpleNamespace
 
 import pytest
 
-from paminsa_viz import interrupts
+from paminsa_viz import cli, interrupts
 
 LACKING = """
 import os, posix, selectors, signal, socket, subprocess, sys, webbrowser
@@ -82,3 +85,41 @@ def test_a_stop_is_noticed_where_a_pipe_cannot_be_told_not_to_block(
     assert read == [b"\x02"]
     for number in pipes:
         os.close(number)
+
+
+def test_a_command_is_given_back_as_the_systems_shell_takes_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    words = ["paminsa-viz", "report", "--design", "C:\\my robots\\a.toml"]
+    for system, line in (
+        ("linux", r"paminsa-viz report --design 'C:\my robots\a.toml'"),
+        ("win32", r'paminsa-viz report --design "C:\my robots\a.toml"'),
+    ):
+        monkeypatch.setattr(cli, "sys", SimpleNamespace(platform=system))
+        assert cli._as_typed(words) == line
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_reader_that_has_gone_is_an_invalid_argument_on_windows(
+    monkeypatch: pytest.MonkeyPatch, late: bool
+) -> None:
+    """While a text is printed, or only when what was gathered of it is written at the end."""
+
+    class Output(io.StringIO):
+        def write(self, text: str) -> int:
+            return len(text) if late else self.flush()
+
+        def flush(self) -> int:
+            raise OSError(errno.EINVAL, "Invalid argument")
+
+        def fileno(self) -> int:
+            return os.open(os.devnull, os.O_WRONLY)
+
+    said = io.StringIO()
+    streams = {"stdout": Output(), "stderr": said}
+    monkeypatch.setattr(sys, "stdout", streams["stdout"])
+    for system, code in (("win32", 1), ("linux", 2)):
+        monkeypatch.setattr(cli, "sys", SimpleNamespace(platform=system, **streams))
+        monkeypatch.setattr(sys, "stderr", said)
+        assert cli.main(["--version"]) == code
+        assert bool(said.getvalue()) == (system == "linux")

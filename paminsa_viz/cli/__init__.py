@@ -89,17 +89,8 @@ def _exit_code(words: list[str]) -> int:
             _flush_output()
     except KeyboardInterrupt:
         code = interrupts.EXIT_CODE
-    except BrokenPipeError:
-        code = 1  # whoever read the output has gone (`| head`)
     except (PaminsaError, OSError) as error:
-        from paminsa_viz.cli.output import print_error
-
-        found: Exception = error
-        if isinstance(error, OSError) and error.errno == errno.ENOSPC and error.filename is None:
-            found = _output_error(error)  # of a long text, which was not kept until the end
-        with suppress(OSError):  # the error stream may be lost, too
-            print_error(found)
-        code = 2
+        code = 1 if isinstance(error, OSError) and _reader_has_gone(error) else _report(error)
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -108,18 +99,37 @@ def _exit_code(words: list[str]) -> int:
     return code
 
 
+def _report(error: PaminsaError | OSError) -> int:
+    """Print an error, and return its exit code."""
+    from paminsa_viz.cli.output import print_error
+
+    found: Exception = error
+    if isinstance(error, OSError) and error.errno == errno.ENOSPC and error.filename is None:
+        found = _output_error(error)  # of a long text, which was not kept until the end
+    with suppress(OSError):  # the error stream may be lost, too
+        print_error(found)
+    return 2
+
+
+def _reader_has_gone(error: OSError) -> bool:
+    """Return whether nobody reads the output any more (`| head`)."""
+    # On Windows that is an invalid argument, of no file.
+    invalid = sys.platform == "win32" and error.errno == errno.EINVAL and error.filename is None
+    return isinstance(error, BrokenPipeError) or invalid
+
+
 def _flush_output() -> None:
     """Write what is still to be printed.
 
     Raises:
-        BrokenPipeError: If nobody reads it.
+        OSError: If nobody reads it.
         FileError: If it cannot be written: it may go to a disk that is full.
     """
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
-        raise
     except OSError as error:
+        if _reader_has_gone(error):
+            raise
         raise _output_error(error) from error
 
 
@@ -129,9 +139,17 @@ def _output_error(error: OSError) -> Exception:
     return as_file_error("the output", error, "written")
 
 
+def _as_typed(words: list[str]) -> str:
+    """Return words as one line for the system's shell."""
+    if sys.platform == "win32":
+        from subprocess import list2cmdline as join
+    else:
+        from shlex import join
+    return join(words)
+
+
 def _run(words: list[str]) -> int:
     # Late, as all of it takes time in which the program can be stopped already.
-    import shlex
     import warnings
 
     from paminsa_viz.cli.arguments import UsageError, command_line, given_flag, parse
@@ -139,7 +157,7 @@ def _run(words: list[str]) -> int:
     if words[:1] in (["--version"], ["-V"]):
         print(f"{COMMAND} {__version__}")
         return 0
-    command_line.set(shlex.join([COMMAND, *words]))
+    command_line.set(_as_typed([COMMAND, *words]))
     named = bool(words) and not words[0].startswith("-")
     name = words.pop(0) if named else "start"
     if name not in COMMANDS:
