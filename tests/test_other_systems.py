@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from types import SimpleNamespace
@@ -15,6 +16,10 @@ from types import SimpleNamespace
 import pytest
 
 from paminsa_viz import cli, interrupts
+from paminsa_viz.cli.letters import SPELLED
+from paminsa_viz.cli.output import _print_rows
+from paminsa_viz.files.design_file import write_design
+from paminsa_viz.model import APPENDIX_4
 
 LACKING = """
 import os, posix, selectors, signal, socket, subprocess, sys, webbrowser
@@ -123,3 +128,44 @@ def test_a_reader_that_has_gone_is_an_invalid_argument_on_windows(
         monkeypatch.setattr(sys, "stderr", said)
         assert cli.main(["--version"]) == code
         assert bool(said.getvalue()) == (system == "linux")
+
+
+def test_letters_that_a_code_page_lacks_are_spelled() -> None:
+    """With a mark in their place, three columns of a table had one name."""
+    for text, encoding, written in (
+        ("peak₁ [N·m]", "cp1252", "peak_1 [N·m]"),
+        ("1/κ, Δq, ψ", "cp1252", "1/kappa, Deltaq, psi"),
+        ("κ, 10⁻³ … x–y ✓", "ascii", "kappa, 10^-3 ... x-y ?"),
+        ("\udc80 Größe ω", "cp437", "? Größe omega"),
+    ):
+        assert text.encode(encoding, SPELLED).decode(encoding) == written
+    with pytest.raises(UnicodeDecodeError):
+        b"\xff".decode("utf-8", SPELLED)
+
+
+def test_columns_are_in_line_where_letters_are_spelled(monkeypatch: pytest.MonkeyPatch) -> None:
+    raw = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, "cp1252", SPELLED, newline=""))
+    _print_rows([("", "N₁ [N]", "κ"), ("guide", "12.5", "4.266")], 1)
+    sys.stdout.flush()
+    assert raw.getvalue() == b"       N_1 [N]  kappa\nguide     12.5  4.266\n"
+
+
+@pytest.mark.slow
+def test_redirected_output_names_what_the_code_page_lacks(tmp_path: Path) -> None:
+    """In a table and in a sentence."""
+    text = write_design(replace(APPENDIX_4, name="robot ω₂"))
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    for encoding in ("cp1252", "cp437"):
+        for words, part in (
+            ("requirements quantities", "1/kappa"),
+            ("design check a.toml", "ega_2"),
+        ):
+            done = subprocess.run(
+                [sys.executable, "-m", "paminsa_viz", *words.split()], capture_output=True,
+                env=os.environ | {"PYTHONIOENCODING": encoding}, cwd=tmp_path,
+            )  # fmt: skip
+            assert (done.returncode, done.stderr) == (0, b"")
+            text = done.stdout.decode(encoding)
+            assert part in text
+            assert "?" not in text

@@ -21,6 +21,7 @@ from io import TextIOWrapper
 from types import ModuleType
 
 from paminsa_viz import interrupts
+from paminsa_viz.cli.letters import SPELLED
 from paminsa_viz.errors import InvalidInput, PaminsaError, name_hint
 from paminsa_viz.version import COMMAND, __version__
 
@@ -73,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if getattr(sys, name) is None:  # closed by who starts it, or there is no console
                 setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         if isinstance(sys.stdout, TextIOWrapper):  # a code page may lack letters such as theta
-            sys.stdout.reconfigure(errors="replace")
+            sys.stdout.reconfigure(errors=SPELLED)
         try:
             return _exit_code(sys.argv[1:])
         finally:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from paminsa_viz.blocks.data import plain
 from paminsa_viz.blocks.kinds import Block, Note, Table
+from paminsa_viz.cli.letters import as_written
 from paminsa_viz.errors import one_line
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.design_file import save_design
@@ -195,8 +196,9 @@ def _print_rows(rows: Sequence[tuple[str, ...]], words: int) -> None:
         words: How many columns from the left hold words; the others hold numbers, which are
             aligned to the right.
     """
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
+    written = [tuple(map(as_written, row)) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*written, strict=True)]
+    for row in written:
         cells = [
             cell.ljust(width) if place < words else cell.rjust(width)
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
