@@ -16,7 +16,7 @@ from paminsa_viz.errors import FileError
 from paminsa_viz.interrupts import indivisible, on_interrupt
 
 OPEN_FILES_STAY = sys.platform == "win32"
-"""Whether the system refuses to remove a file that is open."""
+"""Whether the system refuses to remove or replace a file that is open."""
 
 
 @contextmanager
@@ -315,4 +315,6 @@ def as_file_error(
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     if isinstance(error, FileNotFoundError) and action == "written":
         reason = "its folder does not exist"
+    elif isinstance(error, PermissionError) and action == "written" and OPEN_FILES_STAY:
+        reason += "; another program may have it open"
     return kind(name, f"cannot be {action}: {reason[:1].lower()}{reason[1:]}")

@@ -75,6 +75,8 @@ here = Workers()
 def processes(count: int | None = None) -> Iterator[Workers]:
     """Work in several processes of this machine.
 
+    Each imports the script that starts them: there, do it below ``if __name__ == "__main__":``.
+
     Args:
         count: Their number; None for one on each core. One process is this one.
 

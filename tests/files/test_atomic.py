@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -343,3 +344,20 @@ def test_where_open_files_stay_neither_a_stop_nor_a_kill_leaves_one(
         write_bytes(path, b"meanwhile")  # the file that is being written stays
     assert path.read_text() == "last"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_table_that_another_program_has_open_is_said_to_be_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On Windows nothing replaces a file that Excel shows."""
+
+    def refuse(source: Path, target: Path) -> None:
+        raise PermissionError(errno.EACCES, "Access is denied")
+
+    monkeypatch.setattr(os, "replace", refuse)
+    for stay, hint in ((True, "; another program may have it open"), (False, "")):
+        monkeypatch.setattr(atomic, "OPEN_FILES_STAY", stay)
+        with pytest.raises(FileError) as caught:
+            write_bytes(tmp_path / "a.csv", b"")
+        assert str(caught.value).endswith(f"a.csv: cannot be written: access is denied{hint}")
+    assert list(tmp_path.iterdir()) == []
