@@ -43,6 +43,9 @@ __all__ = [
 ]
 
 
+_ANOTHER_PORT = "choose another one, or port 0 for any that is free"
+
+
 class CannotListen(PaminsaError):
     """The server cannot listen where it was asked to.
 
@@ -61,9 +64,7 @@ class PortTaken(CannotListen):
     """Another program, or another explorer, listens on that port."""
 
     def __init__(self, host: str, port: int) -> None:
-        super().__init__(
-            host, port, "the port is taken; choose another one, or port 0 for any that is free"
-        )
+        super().__init__(host, port, f"the port is taken; {_ANOTHER_PORT}")
 
 
 def open_server(
@@ -132,4 +133,7 @@ def _bind(host: str, port: int) -> socket.socket:
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortTaken(host, port) from error
+        if error.errno == errno.EACCES:  # below 1024, and what Windows keeps for virtual machines
+            problem = f"the system keeps the port for others; {_ANOTHER_PORT}"
+            raise CannotListen(host, port, problem) from error
         raise CannotListen(host, port, error.strerror or str(error)) from error

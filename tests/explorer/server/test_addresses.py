@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import socket
 import string
@@ -47,6 +48,19 @@ def test_taken_port_is_an_error_and_not_the_next_port(server: viser.ViserServer)
 def test_impossible_address_is_an_error(host: str, port: int) -> None:
     with pytest.raises(CannotListen):
         open_server(host, port)
+
+
+def test_a_port_that_the_system_keeps_is_an_error_that_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As Windows keeps many for virtual machines, and others those below 1024."""
+
+    def refuse(*_: object, **__: object) -> socket.socket:
+        raise PermissionError(errno.EACCES, "access to a socket in a forbidden way")
+
+    monkeypatch.setattr(socket, "create_server", refuse)
+    with pytest.raises(CannotListen, match="keeps the port for others; choose another one, or po"):
+        open_server(port=8080)
 
 
 def test_unreadable_name_is_an_error_and_frees_the_port() -> None:
