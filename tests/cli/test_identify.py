@@ -10,7 +10,7 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
-from paminsa_viz.cli import identify, main
+from paminsa_viz.cli import identify, main, output
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.files.logs import log_table
@@ -82,6 +82,8 @@ def test_a_terminal_shows_what_is_worked_out(monkeypatch) -> None:
         raise InvalidLog("no more in this test")
 
     monkeypatch.setattr(identify, "investigate", investigated)
+    # It would wait for the first formula that is compiled, in a later test.
+    monkeypatch.setattr(output, "announce_compilation", lambda: None)
     terminal = Terminal()
     with redirect_stderr(terminal):
         assert main(["identify", "example"]) == 2
