@@ -1,7 +1,7 @@
 """The corrected formulas against MuJoCo, an independent physics engine (paper: Figs. 6 and 7).
 
 MuJoCo is part of the installation. `paminsa-viz verify` does more: a second engine, Pinocchio (`pip
-install 'paminsa-viz[verify]'`), each misprint by itself, a simulation, figures and a verdict.
+install "paminsa-viz[verify]"`), each misprint by itself, a simulation, figures and a verdict.
 """
 
 import numpy as np

@@ -29,7 +29,7 @@ It holds the design and where it differs from Appendix 4 and a reference, geomet
 requirements in its file with their volume and the largest proven workspace, torque maps, the
 trajectory with loads, clearance and figures, the design's drives on it if there are any, the
 calibration from measured poses, the verification against MuJoCo, and against Pinocchio if it is
-installed (pip install 'paminsa-viz[verify]'), the static balance, and where all of it comes from.
+installed (pip install "paminsa-viz[verify]"), the static balance, and where all of it comes from.
 For a PDF, open it in a browser and print."""
 
 

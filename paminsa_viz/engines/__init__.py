@@ -7,7 +7,7 @@ own; `closed_loop` only eliminates the dependent joints, and `play` simulates in
 model come the design and the joint values at a pose (`poses`), which the closures verify;
 nothing of its statics and dynamics is used.
 
-MuJoCo is part of the installation; Pinocchio comes with ``pip install 'paminsa-viz[verify]'``.
+MuJoCo is part of the installation; Pinocchio comes with ``pip install "paminsa-viz[verify]"``.
 """
 
 from __future__ import annotations

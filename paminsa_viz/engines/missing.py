@@ -13,7 +13,7 @@ INSTALL: Final = {
     "MuJoCo": ("mujoco", "it is part of the installation: pip install mujoco"),
     "Pinocchio": (
         "pinocchio",
-        "it comes with the extra 'verify', on Linux and macOS: pip install 'paminsa-viz[verify]'",
+        'it comes with the extra "verify", on Linux and macOS: pip install "paminsa-viz[verify]"',
     ),
 }
 """Module of each engine, and how it is installed."""

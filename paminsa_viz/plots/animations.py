@@ -73,7 +73,7 @@ class AnimationFormat:
         """What has to be installed for it, empty for nothing."""
         if not self.package or find_spec(self.package) is not None:
             return ""
-        return f"It needs the package “{self.package}”: pip install 'paminsa-viz[{self.extra}]'"
+        return f'It needs the package “{self.package}”: pip install "paminsa-viz[{self.extra}]"'
 
 
 def _of_size(shape: tuple[int, ...], frames: Frames) -> Frames:

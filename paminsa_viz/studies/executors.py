@@ -123,7 +123,7 @@ def cluster(address: str) -> Iterator[Workers]:
         from distributed import Client
         from distributed.comm.addressing import resolve_address
     except ImportError:
-        problem = "Dask is not installed; it comes with pip install 'paminsa-viz[dask]'"
+        problem = 'Dask is not installed; it comes with pip install "paminsa-viz[dask]"'
         raise InvalidInput("dask", problem) from None
     try:
         resolve_address(address)  # a client of a place that cannot be leaves slowly and noisily

@@ -191,7 +191,7 @@ def test_batches_and_poses_out_of_reach(engine: Engine) -> None:
     ("module", "robot", "install"),
     [
         ("mujoco", MujocoRobot, "part of the installation: pip install mujoco"),
-        ("pinocchio", PinocchioRobot, "pip install 'paminsa-viz[verify]'"),
+        ("pinocchio", PinocchioRobot, 'pip install "paminsa-viz[verify]"'),
     ],
 )
 def test_a_missing_engine_is_named_with_what_brings_it(
