@@ -369,6 +369,11 @@ def test_workspaces_open_by_key_and_are_found_again_as_they_were_left(tab: Tab) 
     for name in ("Drives", "Single map"):
         found = tab.page.get_by_role("tab", name=name, exact=True)
         until(lambda t=found: t.get_attribute("aria-selected") == "true", f"{name} is open")
+    tab.wait_saved()
+    tab.wait_frames(600)
+    tab.reload()
+    until(lambda: tab.is_open("Drives"), "a section of Motion, once the name of a section, is open")
+    until(lambda: tab.state.workspace == "Motion", "its workspace")
 
 
 def test_tabs_that_an_earlier_page_has_kept_open(tab: Tab) -> None:

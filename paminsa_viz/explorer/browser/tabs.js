@@ -43,9 +43,10 @@ window.paminsaTabs = (config) => {
   let wanted = []; // to be opened; those of a row that is not there yet are waited for
   try {
     const kept = JSON.parse(sessionStorage.getItem(key) || "[]");
-    wanted = kept.map((name) => names[name] ?? name);
-    // Names that an earlier page has kept have none of the tabs around them.
-    if (!kept.some((name) => name.includes("/"))) wanted = wanted.flatMap(withOuter);
+    // Names that an earlier page has kept have none of the tabs around them; some of them are others'
+    // by now, such as that of the workspace Motion.
+    const isEarlier = !kept.some((name) => name.includes("/"));
+    wanted = isEarlier ? kept.flatMap((name) => withOuter(names[name] ?? name)) : kept;
   } catch (error) {
     console.warn(error);
   }
