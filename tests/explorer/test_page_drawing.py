@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pytest
 
+from paminsa_viz.explorer.browser import asset
 from paminsa_viz.palette import DARK, LIGHT, rgb
 from tests.support.chromium import TIMEOUT, Tab, until
+
+if TYPE_CHECKING:
+    from tests.support.page import Browser
 
 pytestmark = pytest.mark.browser
 
@@ -150,3 +156,20 @@ def test_number_of_pixels_in_the_address_stays(tab: Tab) -> None:
     tab.page.evaluate("() => window.__viserMutable.requestRender()")
     tab.wait_frames(600)
     assert tab.page.evaluate(PIXELS) == pytest.approx(1, abs=0.01)
+
+
+FIREFOX = """() => {
+  const [RENDERER, getExtension] = [7937, () => null];
+  const gl = { RENDERER, getExtension, getParameter: (name) => name === RENDERER && "llvmpipe" };
+  HTMLCanvasElement.prototype.getContext = () => gl;
+  window.paminsaContext = { whenFound: () => {} };
+}"""
+"""A browser that names what draws by its ordinary parameter, and has no extension for that."""
+
+
+def test_a_program_that_draws_is_known_without_an_extension(browser: Browser) -> None:
+    page = browser.new_context().new_page()
+    page.evaluate(FIREFOX)
+    page.evaluate(f"() => {{ {asset('drawing.js', PROGRAMS='llvmpipe', BACKDROPS='{}')} }}")
+    assert page.evaluate("window.paminsaDrawing.named()") == "llvmpipe"
+    page.close()

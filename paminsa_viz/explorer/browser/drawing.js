@@ -23,7 +23,8 @@
     if (renderer !== null) return renderer;
     const gl = getContext.call(document.createElement("canvas"), "webgl2");
     const names = gl?.getExtension("WEBGL_debug_renderer_info");
-    renderer = names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+    // Firefox says it without that extension, which it will remove.
+    renderer = gl ? String(gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER)) : "";
     gl?.getExtension("WEBGL_lose_context")?.loseContext();
     return renderer;
   };

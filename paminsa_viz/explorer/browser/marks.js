@@ -102,7 +102,8 @@
   // The strip stays where it is while the rest scrolls, and below it workspaces and sections: out of
   // all boxes that would take them along.
   const heights = new ResizeObserver(([{ target }]) => {
-    document.documentElement.style.setProperty("--pv-strip-height", `${target.offsetHeight}px`);
+    const { height } = target.getBoundingClientRect(); // rounded up, it would leave a gap
+    document.documentElement.style.setProperty("--pv-strip-height", `${Math.floor(height)}px`);
   });
   watch(`.pv-strip, ${FIRST_TABS}`, () => {
     // All of them each time: a slow page can bring tabs before the strip.
