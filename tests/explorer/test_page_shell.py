@@ -107,9 +107,20 @@ def test_click_on_a_map_is_read_in_the_frame_of_its_picture(tab: Tab) -> None:
     until(lambda: abs(tab.state.document.pose[0] - expected) < 2e-3, "the place in the new frame")
 
 
+LINES = """() => {
+  const line = document.querySelector('[data-testid="actuators"]');
+  line.style.fontFamily = "'DejaVu Sans'"; // wide, and what Firefox takes on Debian
+  for (const [index, text] of ["−23.67", "−17.68", "−15.84", "−1239.5"].entries())
+    line.querySelectorAll("b")[index].textContent = text;
+  return [...new Set([...line.children].map((torque) => torque.offsetTop))];
+}"""
+"""Where the lines of the strip's torques begin [px], with long numbers in a wide font."""
+
+
 def test_strip_has_four_lines_shows_the_rest_under_the_pointer_and_undoes(tab: Tab) -> None:
     strip = tab.page.locator(".pv-strip")
     assert strip.bounding_box()["height"] <= 102
+    assert len(tab.page.evaluate(LINES)) == 1, "the page below would jump in a drag"
     more = tab.page.get_by_test_id("summary")
     assert not more.is_visible()
     tab.page.get_by_test_id("actuators").hover()
