@@ -14,6 +14,17 @@ const number = (value, digits) => {
 
 const decimals = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 
+/** Return the value of a number that is typed, with a point or a decimal comma, or what is wrong. */
+const readNumber = (text) => {
+  const plain = text.trim().replaceAll("\u2212", "-");
+  if (/^[+-]?[1-9]\d{0,2},\d{3}$/.test(plain))
+    return { problem: `${plain} may be a thousand or a fraction: write ${plain.replace(",", ".")} `
+      + `or ${plain.replace(",", "")}` };
+  if (!/^[+-]?(\d+[.,]?\d*|[.,]\d+)(e[+-]?\d+)?$/i.test(plain))
+    return { problem: `“${plain.slice(0, 40)}” is not a number: write 33.5 or 33,5` };
+  return { value: Number(plain.replace(",", ".")) };
+};
+
 /** Write a table's rows, and its head if there is one. */
 const fill = (id, rows, head) => {
   const line = (cells, name) => `<tr>${cells.map((cell) => `<${name}>${cell}</${name}>`).join("")}</tr>`;

@@ -108,23 +108,39 @@
     label.htmlFor = id;
     const range = Object.assign(document.createElement("input"), { type: "range", id: `${id}.range` });
     range.setAttribute("aria-label", `${entry.label}, slider`);
-    const box = Object.assign(document.createElement("input"), { type: "number", id, step: "any" });
+    // No number field: Chromium reads 33,5 typed into one as 335, and Firefox takes its text away.
+    const box = Object.assign(document.createElement("input"), { type: "text", id });
     [range.min, range.max, range.step] = [entry.low, entry.high, entry.step];
     // As the program rounds a number that is read in another unit.
-    const toSi = (text) => entry.factor === 1 ? Number(text)
-      : Number((Number(text) / entry.factor).toFixed(entry.factor <= 1000 ? 12 : 24));
+    const toSi = (value) => entry.factor === 1 ? value
+      : Number((value / entry.factor).toFixed(entry.factor <= 1000 ? 12 : 24));
     range.addEventListener("input", () => {
       moving = true;
-      write(toSi(range.value), id);
+      write(toSi(Number(range.value)), id);
     });
     range.addEventListener("change", () => {
       moving = false;
       lastSource = "";
       request();
     });
-    box.addEventListener("change", () => {
-      if (box.value.trim() && Number.isFinite(Number(box.value))) write(toSi(box.value));
-      else draw();
+    let written = ""; // into the box by the page
+    const takeTyped = () => {
+      if (box.value === written) return;
+      const { value, problem: wrong } = readNumber(box.value);
+      if (value !== undefined) write(toSi(value));
+      else if (box.value.trim()) say(`${wrong}; nothing was changed`);
+      request();
+    };
+    // Firefox tells of no change where the same text is typed again over what was written meanwhile.
+    for (const kind of ["change", "blur"]) box.addEventListener(kind, takeTyped);
+    box.addEventListener("keydown", (event) => {
+      if (event.key === "Enter") takeTyped();
+      const steps = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+      const { value } = readNumber(box.value);
+      if (!steps || value === undefined) return;
+      event.preventDefault();
+      write(toSi(Number((value + steps * entry.step).toFixed(9))));
+      request();
     });
     row.append(label, range, box);
     parent.append(row);
@@ -136,7 +152,7 @@
       range.max = Math.max(high, value);
       range.value = value;
       const text = String(Number(value.toFixed(Math.max(decimals(entry.step), 6))));
-      if (document.activeElement !== box || !moving) box.value = text;
+      if (document.activeElement !== box || !moving) box.value = written = text;
       row.classList.toggle("changed", Boolean(entry.path) && entry.path in doc.design);
     });
   };
@@ -215,7 +231,7 @@
   });
   let typed = null; // the field with letters that are not taken yet, which the browser undoes
   document.addEventListener("input", ({ target }) => {
-    typed = target.matches("[type=text], [type=number]") ? target : null;
+    typed = target.matches("[type=text]") ? target : null;
   });
   for (const end of ["change", "focusout"])
     document.addEventListener(end, () => {

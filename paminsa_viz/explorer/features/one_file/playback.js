@@ -1,5 +1,6 @@
 /** The motion's controls, its chart and its torques by cause, in the page in one file. */
 const SAMPLES = 121;
+const [SHORTEST, LONGEST] = [0.05, 60]; // durations that can be asked for [s]
 const CURVES = { all: "τ₁, τ₂, τ₃", 3: "F₄ by cause", 0: "τ₁ by cause", 1: "τ₂ by cause", 2: "τ₃ by cause" };
 const CAUSE_COLORS = { gravity: "m1", inertial: "m2", velocity: "m3", friction: "m4", load: "muted", total: "ink" };
 
@@ -71,12 +72,12 @@ const createPlayback = ({ current, request, move, release, say }) => {
   /** Take the duration that is typed; one that is not possible is named and goes back. */
   const takeDuration = () => {
     const field = find("duration");
-    const { min, max, value } = field;
-    const isPossible = !field.validity.badInput
-      && (!value || (Number(value) >= Number(min) && Number(value) <= Number(max)));
-    if (isPossible) asked = value;
-    else field.value = asked;
-    say(isPossible ? "" : `Duration: ${min} to ${max} s is possible; nothing was changed`);
+    const text = field.value.trim();
+    const { value } = readNumber(text);
+    const isPossible = !text || (value >= SHORTEST && value <= LONGEST);
+    if (isPossible) asked = text && String(value);
+    field.value = asked;
+    say(isPossible ? "" : `Duration: ${SHORTEST} to ${LONGEST} s is possible; nothing was changed`);
     return isPossible;
   };
   const prepare = () => {

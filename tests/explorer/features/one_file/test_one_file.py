@@ -247,10 +247,10 @@ def test_a_duration_that_is_not_possible_is_refused(opened: Opened) -> None:
     page = opened.page
     page.get_by_label("Preset").select_option("quintic")
     duration = page.get_by_label("Duration [s]")
-    for typed in ("0.5", "100", "0.01", "-3"):
+    for typed in ("0,5", "100", "0.01", "-3", "1,000", "abc"):
         duration.fill(typed)
         duration.press("Enter")
-        refused = typed != "0.5"
+        refused = typed != "0,5"
         until(lambda r=refused: page.locator("#message").is_visible() == r, f"{typed} s is judged")
         assert duration.input_value() == "0.5"
         # the motion is that of the box, not the preset's
@@ -263,6 +263,32 @@ def test_a_duration_that_is_not_possible_is_refused(opened: Opened) -> None:
     own = f"over {PRESET['quintic'].build(APPENDIX_4.geometry).duration:.2f} s"
     chart = page.locator("#chart")
     until(lambda: own in (chart.get_attribute("aria-label") or ""), "the preset's own duration")
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_a_typed_number_is_taken_whole_or_refused_and_arrow_keys_step_it(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    box, message = page.get_by_label("x  [mm]", exact=True), page.locator("#message")
+    for typed, found, says in (
+        ("33,5", 33.5, ""),
+        ("1,000", 33.5, "1,000 may be a thousand or a fraction: write 1.000 or 1000"),
+        ("\u22124e1", -40.0, ""),
+        ("abc", -40.0, "“abc” is not a number: write 33.5 or 33,5"),
+        ("abc", -40.0, "“abc” is not a number: write 33.5 or 33,5"),
+        (".5 ", 0.5, ""),
+    ):
+        box.focus()
+        page.keyboard.press("Control+a")
+        page.keyboard.type(typed)
+        page.keyboard.press("Enter")
+        until(lambda w=f"{found:g}": box.input_value() == w, f"{typed} is shown as {found}")
+        opened.wait(lambda document, x=1e-3 * found: abs(document.pose[0] - x) < 1e-12)
+        assert message.inner_text() == (says and f"{says}; nothing was changed")
+    for key, shown in (("ArrowUp", "1.5"), ("ArrowDown", "0.5")):
+        box.press(key)
+        until(lambda w=shown: box.input_value() == w, f"{key} is a step")
 
 
 @pytest.mark.browser
