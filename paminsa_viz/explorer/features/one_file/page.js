@@ -330,6 +330,8 @@
   find("about").textContent = `Written by ${PAGE.madeBy}. All numbers are computed here by the same `
     + `formulas. Only in the served page (pip install, then paminsa-viz): ${PAGE.onlyServed}.`;
   new ResizeObserver(() => doc && request()).observe(find("pictures"));
+  // Firefox prints of the robot what was drawn in the same task, else nothing.
+  window.addEventListener("beforeprint", () => doc && draw());
   window.addEventListener("hashchange", () => window.location.hash !== address && openHash());
   const begin = async () => {
     const linked = await openHash();

@@ -30,6 +30,12 @@ def test_all_pictures_fit_any_window_and_paper_has_all_controls(opened: Opened) 
         until(lambda: page.evaluate(fits), f"maps are seen, {width} x {height}")
         stage = page.locator("#stage").bounding_box()
         assert stage["height"] > 0.35 * height
+    counted = "Number(document.documentElement.dataset.drawn)"
+    assert page.evaluate(f"""() => {{
+      const before = {counted};
+      window.dispatchEvent(new Event("beforeprint"));
+      return {counted} - before;
+    }}"""), "Firefox prints of the robot what is drawn in the same task"
     page.emulate_media(media="print")
     cut = "(({clientHeight, scrollHeight}) => scrollHeight - clientHeight)"
     assert page.locator("#controls").evaluate(cut) <= 1
