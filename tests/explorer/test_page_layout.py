@@ -349,6 +349,17 @@ CONTRAST = """() => {
 }"""
 
 
+def test_a_pose_on_several_lines_of_a_table_begins_where_its_column_does(browser: Browser) -> None:
+    page = browser.new_context().new_page()
+    page.set_content(
+        f"<!doctype html><body>{style_html()}<table class='pv-table'><tr><td class='pv-word'>"
+        "<button class='pv-link'>x 108.3 mm, y 62.5 mm</button></td></tr></table>"
+    )
+    align = "button => getComputedStyle(button).textAlign"
+    assert page.locator("button").evaluate(align) == "left"
+    page.close()
+
+
 def test_colors_that_say_something_and_names_of_inputs_hold_in_high_contrast(
     browser: Browser,
 ) -> None:
