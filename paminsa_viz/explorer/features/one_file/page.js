@@ -201,24 +201,23 @@
   });
   addButton("Balance by m₇", "Set m₇ so that M_p2 = 0: no static torque of M1 to M3 (Eq. 8)", () =>
     vary("joints.j7", balancedMass(robot, doc)));
-  addButton("Copy link", "The address of this file with the design; it opens in the file alone", async () => {
-    const link = `${window.location.href.split("#")[0]}#${await shareCode(doc)}`;
+  // Safari takes a text only while it handles the press, and a code is packed later: so the promise
+  // of the text is given. A text that is not taken is shown, to be copied by hand.
+  const copy = async (what, text) => {
+    const packed = text.then((plain) => new Blob([plain], { type: "text/plain" }));
     try {
-      await navigator.clipboard.writeText(link);
-      say("The link is on the clipboard.");
+      if (window.ClipboardItem)
+        await navigator.clipboard.write([new ClipboardItem({ "text/plain": packed })]);
+      else await navigator.clipboard.writeText(await text);
+      say(`${what} is on the clipboard.`);
     } catch {
-      say(link);
+      say(await text);
     }
-  });
-  addButton("Copy code", "The share code: it opens behind the # of any page of paminsa-viz", async () => {
-    const code = await shareCode(doc);
-    try {
-      await navigator.clipboard.writeText(code);
-      say("The share code is on the clipboard.");
-    } catch {
-      say(code);
-    }
-  });
+  };
+  addButton("Copy link", "The address of this file with the design; it opens in the file alone", () =>
+    copy("The link", shareCode(doc).then((code) => `${window.location.href.split("#")[0]}#${code}`)));
+  addButton("Copy code", "The share code: it opens behind the # of any page of paminsa-viz", () =>
+    copy("The share code", shareCode(doc)));
   addButton("Design as TOML", "A design file for paminsa-viz", () => {
     download(`${stem()}.toml`, new Blob([designFile(doc)], { type: "text/plain" }));
     say(doc.requirements ? "The file is without the requirements, which a link or code keeps." : "");

@@ -265,6 +265,38 @@ def test_a_duration_that_is_not_possible_is_refused(opened: Opened) -> None:
     until(lambda: own in (chart.get_attribute("aria-label") or ""), "the preset's own duration")
 
 
+CLIPBOARD_AS_IN_SAFARI = """() => {
+  let inPress = false;
+  addEventListener("click", () => { inPress = true; }, true);
+  addEventListener("click", () => { inPress = false; });
+  const taken = (take) => async (given) => {
+    if (!inPress) throw new DOMException("not in a press", "NotAllowedError");
+    window.taken = await take(given);
+  };
+  const value = {
+    writeText: taken((text) => text),
+    write: taken(async ([item]) => (await item.getType("text/plain")).text()),
+  };
+  Object.defineProperty(navigator, "clipboard", { value, configurable: true });
+}"""
+"""A clipboard that takes a text, or the promise of one, only while a press is handled."""
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_links_are_copied_where_the_browser_asks_for_a_press(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    page.evaluate(CLIPBOARD_AS_IN_SAFARI)
+    for button, word in (("Copy link", "The link"), ("Copy code", "The share code")):
+        page.get_by_role("button", name=button).click()
+        page.get_by_text(f"{word} is on the clipboard.").wait_for()
+        assert open_share_code(page.evaluate("taken").rpartition("#")[2]) == START
+    page.evaluate("() => { navigator.clipboard.write = () => Promise.reject(new Error()); }")
+    page.get_by_role("button", name="Copy link").click()
+    page.get_by_text(f"{opened.address}#PMZ1-").wait_for()  # to be copied by hand
+
+
 @pytest.mark.browser
 @pytest.mark.slow
 def test_a_typed_number_is_taken_whole_or_refused_and_arrow_keys_step_it(opened: Opened) -> None:
