@@ -2,7 +2,8 @@
  * Copies text to the clipboard, and any table of the page by a button that is shown beside it.
  *
  * The clipboard of the browser needs a secure context: this machine or TLS. Elsewhere the older way
- * is tried, and where that is refused the text is shown, selected, to be copied by hand.
+ * is tried. Safari refuses both for a text that comes from the server, after the press that asked for
+ * it: where a text is refused, it is shown with a button that copies it.
  */
 (() => {
   "use strict";
@@ -10,15 +11,51 @@
   const stopped = new AbortController();
   const on = (kind, run) => document.addEventListener(kind, run, { signal: stopped.signal });
 
-  const selected = (text, style) => {
+  const selected = (text, parent) => {
     const area = document.createElement("textarea");
     Object.assign(area, { value: text, readOnly: true });
-    Object.assign(area.style, style);
-    document.body.append(area);
+    parent.append(area);
     area.select();
     return area;
   };
-  const copy = async (text) => {
+  let closeOffer = () => {};
+  /** Show a text with a button that copies it, and call a function once it is copied. */
+  const offer = (text, taken) => {
+    closeOffer();
+    const box = document.createElement("div");
+    box.className = "pv-to-copy";
+    box.setAttribute("role", "dialog");
+    box.setAttribute("aria-label", "Text to copy; Escape closes it");
+    document.body.append(box);
+    const area = selected(text, box);
+    area.setAttribute("aria-label", "Text to copy");
+    const press = document.createElement("button");
+    Object.assign(press, { type: "button", textContent: "Copy" });
+    box.append(press);
+    const closed = new AbortController();
+    closeOffer = () => {
+      closed.abort();
+      box.remove();
+    };
+    const { signal } = closed;
+    press.addEventListener("click", () => {
+      area.select();
+      document.execCommand("copy");
+    });
+    box.addEventListener("copy", () => setTimeout(() => {
+      closeOffer();
+      taken();
+    }));
+    box.addEventListener("keydown", (event) => {
+      event.stopPropagation(); // the page's own keys are for the page
+      if (event.key === "Escape") closeOffer();
+    });
+    // Not by the focus: in Safari a button that is pressed takes it from the text and does not get it.
+    window.addEventListener("pointerdown", ({ target }) => box.contains(target) || closeOffer(), {
+      capture: true, signal,
+    });
+  };
+  const copy = async (text, taken) => {
     if (window.isSecureContext && navigator.clipboard) {
       try {
         await navigator.clipboard.writeText(text);
@@ -28,20 +65,14 @@
       }
     }
     const before = document.activeElement;
-    const hidden = selected(text, { position: "fixed", opacity: 0 });
+    const hidden = selected(text, document.body);
+    Object.assign(hidden.style, { position: "fixed", opacity: 0 });
     const done = document.execCommand("copy");
     hidden.remove();
     before?.focus?.({ preventScroll: true });
     if (done) return "copied";
-    const shown = selected(text, {
-      position: "fixed", inset: "15% 20%", zIndex: 950, font: "12px monospace",
-    });
-    shown.setAttribute("aria-label", "Text to copy; Escape closes it");
-    shown.focus();
-    for (const kind of ["blur", "copy"])
-      shown.addEventListener(kind, () => setTimeout(() => shown.remove(), 100));
-    shown.addEventListener("keydown", (event) => event.key === "Escape" && shown.remove());
-    return "selected";
+    offer(text, taken);
+    return "offered";
   };
 
   // Cells side by side with tabs, as spreadsheets take them; a minus sign becomes a hyphen there.
@@ -90,12 +121,16 @@
   });
   document.addEventListener("scroll", hide, { capture: true, signal: stopped.signal });
   button.addEventListener("click", async () => {
-    if (!table) return;
-    button.textContent = (await copy(textOf(table))) === "copied" ? "Copied" : "Selected";
+    const say = (what) => { button.textContent = what === "copied" ? "Copied" : "Copy"; };
+    if (table) say(await copy(textOf(table), () => say("copied")));
   });
 
-  const give = async (what, text) => window.paminsa?.send("copied", [what, await copy(text)]);
+  const give = async (what, text) => {
+    const tell = (how) => window.paminsa?.send("copied", [what, how]);
+    tell(await copy(text, () => tell("copied")));
+  };
   const stop = () => {
+    closeOffer();
     stopped.abort();
     button.remove();
   };

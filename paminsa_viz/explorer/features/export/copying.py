@@ -38,7 +38,7 @@ def _hear(session: Session, data: Any) -> None:
     if data[1] == "copied":
         session.notify("Copied", f"{what}: {USES.get(what, 'paste it into a spreadsheet')}")
     else:
-        session.notify("Not copied", "The text is selected: press Ctrl+C", bad=True)
+        session.notify("Not copied yet", f"{what}: press “Copy” below the text")
 
 
 COPIED = Message("copied", receive=_hear)
