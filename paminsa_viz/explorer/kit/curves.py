@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge, finite
-from paminsa_viz.palette import LIGHT, Theme
+from paminsa_viz.palette import Theme
 from paminsa_viz.plots.series_uplot import (
     Chart,
     ChartShape,
@@ -45,7 +45,7 @@ class MotionChart:
         self.handle: Any = None
         self.shape: ChartShape | None = None
 
-    def draw(self, chart: Chart | None, theme: Theme = LIGHT) -> None:
+    def draw(self, chart: Chart | None, theme: Theme) -> None:
         """Show a chart, or nothing."""
         if chart is None:
             if self.handle is not None:

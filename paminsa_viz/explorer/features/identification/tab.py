@@ -62,19 +62,19 @@ class _Charts:
         gui = session.client.gui
         place = gui.add_folder(None)
         self._charts = tuple(MotionChart(gui, place, order, LOWEST) for order in (0.0, 1.0))
-        self._drawn: tuple[object, int] | None = None
+        self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed."""
         own = frame.state.identification
         found = own.result
-        key = (found, own.actuator)
+        key = (found, own.actuator, frame.state.theme)
         if dragging or key == self._drawn:
             return
         self._drawn = key
         charts = (None, None) if found is None else log_charts(found.identification, own.actuator)
         for chart, data in zip(self._charts, charts, strict=True):
-            chart.draw(data)
+            chart.draw(data, frame.state.theme)
 
 
 def _found(state: State) -> bool:
