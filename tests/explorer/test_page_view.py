@@ -39,6 +39,18 @@ def test_numbers_of_the_last_reachable_pose_are_gray_and_say_which_it_is(tab: Ta
     assert tab.text("at-pose").startswith("Pose (")
 
 
+def test_a_pose_line_that_is_too_long_is_cut_and_does_not_widen_the_panel(tab: Tab) -> None:
+    tab.dispatch(lambda s: actions.vary(
+        actions.move(s, x=-0.1, y=-0.1, theta=-0.5), {"geometry.guide_stroke": 0.01},
+    ))  # fmt: skip
+    until(lambda: "pose and lengths (−100.0" in tab.text("at-pose"), "the pose before")
+    line = tab.page.get_by_test_id("at-pose")
+    assert line.evaluate("line => line.scrollWidth > line.clientWidth")
+    panel = "line => line.closest('.mantine-ScrollArea-viewport')"
+    assert line.evaluate(f"line => ({panel})(line).scrollWidth <= ({panel})(line).clientWidth")
+    assert line.get_attribute("title") == tab.text("at-pose")  # all of it
+
+
 def test_design_that_reaches_nothing_is_said_on_every_tab_and_keeps_the_sliders(tab: Tab) -> None:
     before = [tab.slider(f"{name}  [mm]").get_attribute("aria-valuemax") for name in "xyz"]
     tab.dispatch(lambda s: actions.vary(s, {"geometry.guide_stroke": 0.01}))
