@@ -371,7 +371,7 @@ def files_of(entries: Entries) -> list[Command]:
     return [
         Command(
             one.key, f"File: {one.label}", one.effect, *FILE_KEYS.get(one.key, (None, None)),
-            undo=False, words=str(one.hint),
+            undo=False, words=str(one.hint).partition(" (Ctrl+")[0],  # viser writes the keys there
         )
         for one in buttons
     ]  # fmt: skip

@@ -17,6 +17,7 @@ from paminsa_viz.explorer.features.files.tab import FILE, file_name, receive_exa
 from paminsa_viz.explorer.kit import bindings
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.explorer.tabs import files_of
 from paminsa_viz.files.design_file import LARGEST_FILE, read_content, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput
@@ -226,3 +227,11 @@ def test_broken_share_codes_are_notified_and_change_nothing(
 def test_note_on_the_share_code_names_all_that_a_document_has(desk: Desk) -> None:
     said = desk.handle("file.about_code").content.lower()
     assert [one.name for one in fields(Document) if one.name not in said] == []
+
+
+def test_commands_of_files_leave_their_keys_to_the_palette() -> None:
+    """viser writes them behind the words, on a Mac as ⌘: in both they would stand twice."""
+    found = {command.key: command for command in files_of(FILE)}
+    assert found["file.download"].words == "A readable text file, in SI units"
+    assert found["file.download"].modifier == "cmd/ctrl"
+    assert not [key for key, command in found.items() if "Ctrl" in command.words]
