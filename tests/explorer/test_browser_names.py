@@ -81,6 +81,15 @@ def test_only_browser_and_server_know_names_that_are_not_public() -> None:
     assert found == set()
 
 
+def test_style_sheets_have_the_forms_that_safari_knows() -> None:
+    """It takes `text-decoration` for a line alone, and `user-select` with its prefix."""
+    for sheet in (PACKAGE / "explorer" / "browser").glob("*.css"):
+        text = sheet.read_text(encoding="utf-8")
+        assert set(re.findall(r"text-decoration: ([^;]*)", text)) <= {"underline"}, sheet.name
+        selects = re.findall(r"(?<!-)user-select: [^;]*;", text)
+        assert re.findall(r"-webkit-(user-select: [^;]*;)", text) == selects, sheet.name
+
+
 def test_style_sheets_have_no_selector_that_looks_down() -> None:
     # With `:has()` every frame of a drag costs a fifth more; marks.js is there for it.
     sheets = (PACKAGE / "explorer" / "browser").glob("*.css")
