@@ -353,10 +353,6 @@ def exports_of(entries: Entries) -> list[Command]:
     return found
 
 
-FILE_KEYS = {"file.download": ("S", "cmd/ctrl"), "file.link": ("L", "cmd/ctrl+shift")}
-"""Keys of buttons of the folder of files."""
-
-
 def files_of(entries: Entries) -> list[Command]:
     """Return a command for each button of the folders in a table."""
     from paminsa_viz.explorer.commands import Command
@@ -370,8 +366,8 @@ def files_of(entries: Entries) -> list[Command]:
     ]
     return [
         Command(
-            one.key, f"File: {one.label}", one.effect, *FILE_KEYS.get(one.key, (None, None)),
-            undo=False, words=str(one.hint).partition(" (Ctrl+")[0],  # viser writes the keys there
+            one.key, f"File: {one.label}", one.effect, *(one.keys or (None, None)),
+            undo=False, words=str(one.hint),
         )
         for one in buttons
     ]  # fmt: skip

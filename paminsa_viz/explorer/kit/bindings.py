@@ -122,7 +122,7 @@ class Panel:
         for name in ("label", "visible", "disabled"):
             self._follow(handle, name, getattr(entry, name))
         if isinstance(entry, (Button, Upload)):
-            self._hint_button(handle, entry.hint)
+            self._hint_button(handle, entry.tooltip if isinstance(entry, Button) else entry.hint)
         else:
             self._follow(handle, "hint", entry.hint, idle=True)
         if isinstance(entry, Folder):

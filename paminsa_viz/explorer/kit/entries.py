@@ -96,6 +96,8 @@ class Button(Entry):
         icon: Name of its icon.
         color: Its color, if it is not the page's.
         undo: Whether it can be undone.
+        keys: Hotkey and modifier of its command in the palette, in viser's words; its hint, then a
+            constant, is shown with them.
     """
 
     _: KW_ONLY
@@ -103,6 +105,15 @@ class Button(Entry):
     icon: Given[Any] = None
     color: str | None = None
     undo: bool = True
+    keys: tuple[str, str] | None = None
+
+    @property
+    def tooltip(self) -> Given[str]:
+        """The hint, and the keys that do the same."""
+        if self.keys is None:
+            return self.hint
+        hotkey, modifier = self.keys
+        return f"{self.hint} ({modifier.replace('cmd/ctrl', 'ctrl').title()}+{hotkey})"
 
 
 @dataclass(frozen=True)

@@ -133,7 +133,7 @@ FILE: tuple[Entry, ...] = (
         entries=(
             Button(
                 "file.download", "Download as TOML", icon=Icon.DOWNLOAD,
-                hint="A readable text file, in SI units (Ctrl+S)",
+                keys=("S", "cmd/ctrl"), hint="A readable text file, in SI units",
                 effect=Run(
                     lambda session: session.submit(partial(_download, session)), at_once=True
                 ),
@@ -155,8 +155,8 @@ FILE: tuple[Entry, ...] = (
         entries=(
             Button(
                 "file.link", "Copy link", icon=Icon.LINK, undo=False,
-                hint="The address of this page with the share code; the address follows your work "
-                "(Ctrl+Shift+L)",
+                keys=("L", "cmd/ctrl+shift"),
+                hint="The address of this page with the share code; the address follows your work",
                 effect=Run(
                     lambda session: session.submit(partial(_copy_link, session)), at_once=True
                 ),

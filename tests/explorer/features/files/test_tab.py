@@ -15,6 +15,7 @@ from paminsa_viz.explorer.core import actions, persistence, session
 from paminsa_viz.explorer.features.files import tab
 from paminsa_viz.explorer.features.files.tab import FILE, file_name, receive_example
 from paminsa_viz.explorer.kit import bindings
+from paminsa_viz.explorer.kit.entries import Button, Folder
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.tabs import files_of
@@ -235,3 +236,8 @@ def test_commands_of_files_leave_their_keys_to_the_palette() -> None:
     assert found["file.download"].words == "A readable text file, in SI units"
     assert found["file.download"].modifier == "cmd/ctrl"
     assert not [key for key, command in found.items() if "Ctrl" in command.words]
+    buttons = [one for folder in FILE if isinstance(folder, Folder) for one in folder.entries]
+    tooltips = {one.key: str(one.tooltip) for one in buttons if isinstance(one, Button)}
+    assert tooltips["file.download"] == "A readable text file, in SI units (Ctrl+S)"
+    assert tooltips["file.link"].endswith("the address follows your work (Ctrl+Shift+L)")
+    assert "(" not in tooltips["file.page"]
