@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -22,7 +22,7 @@ from paminsa_viz.explorer.features.motion.simulation import simulate
 from paminsa_viz.explorer.features.requirements import actions as requirements
 from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.features.synthesis import actions as synthesis
-from paminsa_viz.explorer.features.view.tab import camera_run
+from paminsa_viz.explorer.features.view.tab import THEMES, camera_run
 from paminsa_viz.explorer.kit.bindings import perform
 from paminsa_viz.explorer.kit.design_numbers import GROUPS, label
 from paminsa_viz.explorer.kit.entries import Effect, Run, Then
@@ -97,6 +97,13 @@ def commands() -> tuple[Command, ...]:
         *(
             Command(f"camera.{name}", f"Camera: {name}", camera_run(name), str(number))
             for number, name in enumerate(CAMERAS, start=1)
+        ),
+        *(
+            Command(
+                "appearance", f"Theme: {name}", partial(replace, appearance=theme),
+                words="appearance, mode",
+            )
+            for name, theme in THEMES.items()
         ),
         *(
             Command(

@@ -19,6 +19,7 @@ from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.docks import left_dock
 from paminsa_viz.explorer.features.export import exports
 from paminsa_viz.explorer.features.files.examples import EXAMPLES
+from paminsa_viz.explorer.features.pins.tab import pin
 from paminsa_viz.explorer.server.limits import Limits
 from paminsa_viz.explorer.state.motion import Timing
 from paminsa_viz.files.design_file import read_design
@@ -240,6 +241,15 @@ def test_any_table_is_copied_by_the_button_beside_it(copying: Tab) -> None:
     assert rows[1][0] == "M1"
     assert rows[1][2] == "4.570 N·m"
     assert "-11.93" in rows[1][1]  # a hyphen: spreadsheets do not read a minus sign
+    tab.dispatch(lambda s: pin(s, "condition"))
+    pinned = tab.page.get_by_test_id("pins")
+    pinned.locator("b").hover()
+    until(lambda: button.inner_text() == "Copy", "the button is for the other table")
+    button.click()
+    until(lambda: button.inner_text() == "Copied", "the table is copied")
+    # what takes a number off the strip is no part of it
+    value = pinned.locator("b").inner_text()
+    assert tab.page.evaluate(READ).strip().split("\t") == ["condition number κ", value]
 
 
 def test_older_way_where_the_context_is_not_secure(copying: Tab) -> None:

@@ -76,9 +76,10 @@
   };
 
   // Cells side by side with tabs, as spreadsheets take them; a minus sign becomes a hyphen there.
+  const hasText = (cell) => !cell.querySelector(":scope > .pv-unpin");
   const textOf = (table) => [...table.rows]
-    .map((row) => [...row.cells].map((cell) => cell.innerText.trim().replace(/\s+/g, " ")
-      .replace(/\u2212(?=[\d.])/g, "-")).join("\t"))
+    .map((row) => [...row.cells].filter(hasText).map((cell) => cell.innerText.trim()
+      .replace(/\s+/g, " ").replace(/\u2212(?=[\d.])/g, "-")).join("\t"))
     .join("\n");
 
   let table = null;

@@ -44,6 +44,10 @@ PRESETS = {
 
 KEPT = ("fine", "shadows")
 
+THEMES = {
+    "as the browser": Appearance.BROWSER, "light": Appearance.LIGHT, "dark": Appearance.DARK,
+}  # fmt: skip
+
 
 def grouped_layers() -> dict[str, tuple[str, ...]]:
     """Return the keys of all registered layers by their folders."""
@@ -66,8 +70,7 @@ def view_entries() -> tuple[Entry, ...]:
         _cameras("camera.leg", "Face leg", LEGS),
         Dropdown(
             "appearance", "Theme", hint="Light or dark; files that are exported stay light",
-            options={"as the browser": Appearance.BROWSER, "light": Appearance.LIGHT,
-                     "dark": Appearance.DARK},
+            options=THEMES,
             **attribute("appearance"),
         ),
         ButtonGroup(

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import viser
 
+from paminsa_viz.explorer.commands import commands
 from paminsa_viz.explorer.core import actions, tab_store
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import COARSE, MapStore
@@ -19,6 +20,7 @@ from paminsa_viz.explorer.features.export import tab as export_panel
 from paminsa_viz.explorer.features.view import theme
 from paminsa_viz.explorer.kit.chart import themed
 from paminsa_viz.explorer.kit.downloads import File
+from paminsa_viz.explorer.kit.entries import Run
 from paminsa_viz.explorer.kit.text import css_color
 from paminsa_viz.explorer.scene.legend import NO_LEGEND
 from paminsa_viz.explorer.state.state import initial_state
@@ -45,6 +47,14 @@ def contrast(a: str, b: str) -> float:
 
     high, low = sorted((luminance(a), luminance(b)), reverse=True)
     return (high + 0.05) / (low + 0.05)
+
+
+def test_the_palette_has_a_command_for_each_theme() -> None:
+    found = {one.label: one for one in commands() if one.key == "appearance"}
+    for name, kind in (("as the browser", "BROWSER"), ("light", "LIGHT"), ("dark", "DARK")):
+        effect = found[f"Theme: {name}"].effect
+        assert not isinstance(effect, Run)
+        assert effect(STATE) == replace(STATE, appearance=Appearance[kind])
 
 
 def test_contrast_is_that_of_the_standard() -> None:
