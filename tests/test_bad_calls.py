@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 import warnings
+import weakref
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from paminsa_viz.balancing import (
 from paminsa_viz.engines import why_missing
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError
 from paminsa_viz.files import DataTable, table_bytes
-from paminsa_viz.identification import base_matrix, identity_row
+from paminsa_viz.identification import base_matrix, identity_row, make_log
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
@@ -159,6 +160,31 @@ def test_what_is_no_value_of_an_argument_is_refused_in_one_line(place: str) -> N
             assert re.search(rf"\b{name}\b", text), f"{name}={kind}: {text}"
             assert "\n" not in text
             assert len(text) < 200
+
+
+@pytest.mark.parametrize("place", CALLS)
+def test_no_result_keeps_an_array_of_its_caller(place: str) -> None:
+    """Who moves a pose on in place, as loops do, changes no earlier result, nor half of one."""
+    function, good, _ = CALLS[place]
+    given = {n: v.copy() if isinstance(v, np.ndarray) else v for n, v in good.items()}
+    alive = {n: weakref.ref(v) for n, v in given.items() if isinstance(v, np.ndarray)}
+    found = function(**given)
+    given.clear()
+    assert [name for name, array in alive.items() if array() is not None] == []
+    del found
+
+
+def test_no_record_keeps_an_array_of_its_caller() -> None:
+    t, signals = np.linspace(0.0, 0.5, 20), np.zeros((20, 4))
+    for made in (
+        make_log(t, signals, signals),
+        precision.Measurements(signals, signals),
+        Grid.over(signals[0], x=t),
+    ):
+        arrays = [*vars(made).values(), *(v for _, v in getattr(made, "axes", ()))]
+        for kept in (one for one in arrays if isinstance(one, np.ndarray)):
+            assert not np.shares_memory(kept, t), made
+            assert not np.shares_memory(kept, signals), made
 
 
 def test_counts_of_poses_are_refused_in_one_line() -> None:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model import backend
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, own_vectors
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import OutputLimits
@@ -284,7 +284,7 @@ def _least(room: Array, size: Array, axis: int = 0) -> Array:
 @of_design
 def capability(design: Design, pose: ArrayLike) -> Capability:
     """Return the capability at poses (..., 4) [m, m, rad, m]."""
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
     flat, m = pose.reshape(-1, 4), mechanism(design.geometry)
     shape = (3, 3, *pose.shape[:-1])
     return Capability(

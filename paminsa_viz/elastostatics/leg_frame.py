@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, own_vectors
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import leg_position, mechanism
@@ -83,7 +83,7 @@ class LegFrame(OfLimits):
 @np.errstate(all="ignore")
 def leg_frame(geometry: Geometry, pose: ArrayLike) -> LegFrame:
     """Return where the legs are at poses (..., 4) [m, m, rad, m]."""
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
     reach = check_reach(geometry, pose)
     usable = np.where((reach.status == Limit.OK)[..., None], pose, np.nan)
     x, y, theta, z = np.moveaxis(usable, -1, 0)[..., None]

@@ -27,7 +27,7 @@ from paminsa_viz.elastostatics.leg_loads import (
     leg_rows,
 )
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
+from paminsa_viz.model.arrays import Array, as_vectors, in_blocks, own_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.grids import Field
@@ -249,7 +249,7 @@ def platform_stiffness(
         pose: (..., 4) [m, m, rad, m].
         shear: Whether bars deform by shear as well (Timoshenko).
     """
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
 
     def solved(poses: Array) -> tuple[Any, ...]:
         frame = leg_frame(design.geometry, poses)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, PaminsaError
-from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, own_vectors
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.trajectory.simulation import Simulation
 from paminsa_viz.units import counted
@@ -128,8 +128,8 @@ def make_log(
             that comes after a gap, or that no robot can be in.
         InvalidInput: If the shapes do not fit.
     """
-    t = as_numbers(t, "t")
-    position, torque = as_vectors(position, "position"), as_vectors(torque, "torque")
+    t = as_numbers(t, "t").copy()
+    position, torque = own_vectors(position, "position"), own_vectors(torque, "torque")
     if t.ndim != 1:
         raise InvalidInput("t", f"one axis of times is needed; the shape is {t.shape}")
     for label, values in (("position", position), ("torque", torque)):
@@ -154,7 +154,6 @@ def make_log(
     if step > 1 / SLOWEST:
         problem = f"there are {1 / step:.3g} rows a second; at least {SLOWEST:g} are needed"
         raise InvalidLog(problem, column="t", other_unit="times in milliseconds are t_ms")
-    position = position.copy()
     position[:, :3] = np.unwrap(position[:, :3], axis=0)
     _check_steps(t, position, rows, gaps)
     starts, notes = (0, *(int(gap) for gap in gaps)), []

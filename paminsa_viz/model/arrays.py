@@ -30,6 +30,17 @@ def as_vectors(values: ArrayLike, argument: str, size: int = 4) -> Array:
     return array
 
 
+def own_vectors(values: ArrayLike, argument: str, size: int = 4) -> Array:
+    """Return what `as_vectors` does as an array of its own, for results that keep it.
+
+    Otherwise such a result would change with the caller's array, often half of it.
+
+    Raises:
+        InvalidInput: As of `as_vectors`.
+    """
+    return as_vectors(values, argument, size).copy()
+
+
 def as_pose(values: ArrayLike, argument: str = "pose") -> Array:
     """Return one pose as float64, (4,).
 

@@ -59,11 +59,11 @@ class Grid:
                 raise InvalidInput(str(name), f"a grid varies {', '.join(COORDINATES)}")
             if name in made:
                 raise InvalidInput(name, "a grid varies it along one axis; leave out the other")
-            made[name] = as_numbers(values, name)
+            made[name] = as_numbers(values, name).copy()
             if made[name].ndim != 1 or made[name].size == 0:
                 raise InvalidInput(name, f"one axis of values is needed; got {made[name].shape}")
         object.__setattr__(self, "axes", tuple(made.items()))
-        object.__setattr__(self, "fixed", as_pose(self.fixed, "fixed"))
+        object.__setattr__(self, "fixed", as_pose(self.fixed, "fixed").copy())
 
     @classmethod
     def over(cls, fixed: ArrayLike, **axes: ArrayLike) -> Grid:

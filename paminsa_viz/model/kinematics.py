@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arguments import of_geometry
-from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
+from paminsa_viz.model.arrays import Array, aligned, as_vectors, own_vectors, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematic_formulas import (
     HEADING,
@@ -96,7 +96,7 @@ def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
     Raises:
         InvalidInput: If the pose has another shape or is not real.
     """
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
     g = _leg_positions(geometry, pose)
     points = {}
     with np.errstate(all="ignore"):

@@ -31,7 +31,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import backend
 from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.arguments import of_geometry
-from paminsa_viz.model.arrays import Array, as_vectors, unfolded
+from paminsa_viz.model.arrays import Array, own_vectors, unfolded
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field
 from paminsa_viz.model.leg import mechanism
@@ -108,7 +108,7 @@ def drive_errors(geometry: Geometry, accuracy: DriveAccuracy, pose: ArrayLike) -
         InvalidInput: If the pose has another shape or is not real.
     """
     require_kind(accuracy, "accuracy", DriveAccuracy)
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
     flat, m = pose.reshape(-1, 4), mechanism(geometry)
     rows = backend.over_list(WRENCH_TORQUES, m, flat).T
     margin, which = backend.over_list(LEAST_MARGIN, m, flat).T

@@ -24,7 +24,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_vectors, in_blocks
+from paminsa_viz.model.arrays import Array, in_blocks, own_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import check_reach
@@ -103,7 +103,7 @@ def tolerance_errors(design: Design, pose: ArrayLike) -> ToleranceErrors:
     Raises:
         InvalidInput: If a shape is another one, or a value is not real.
     """
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
     return ToleranceErrors(pose, *in_blocks(partial(_errors, design), pose, BLOCK))
 
 
@@ -301,7 +301,7 @@ def monte_carlo(
     Raises:
         InvalidInput: If there are too many or no robots, or a pose cannot be taken.
     """
-    pose = as_vectors(pose, "pose")
+    pose = own_vectors(pose, "pose")
     flat = pose.reshape(-1, 4)
     if robots < 1 or robots * len(flat) > MOST_SAMPLES:
         most = MOST_SAMPLES // max(len(flat), 1)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.checks import require_at_least, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
-from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, own_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.precision.leg_lengths import (
     INDEX,
@@ -55,8 +55,8 @@ class Measurements:
     poses: Array
 
     def __post_init__(self) -> None:
-        actuators = as_vectors(self.actuators, "actuators")
-        poses = as_numbers(self.poses, "poses")
+        actuators = own_vectors(self.actuators, "actuators")
+        poses = as_numbers(self.poses, "poses").copy()
         if poses.ndim != 2 or poses.shape[1] not in (4, 6) or actuators.shape != (len(poses), 4):
             problem = f"(n, 4) readings and (n, 4) or (n, 6) poses are needed, not {poses.shape}"
             raise InvalidInput("poses", problem)

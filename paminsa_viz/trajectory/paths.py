@@ -11,7 +11,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_vectors, own_vectors
 from paminsa_viz.trajectory.plan import Spline, UnitCurve
 from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
 
@@ -56,7 +56,7 @@ def straight_path(start: ArrayLike, goal: ArrayLike) -> StraightPath:
     Raises:
         InvalidInput: If they are not two different, finite poses.
     """
-    begin, end = as_vectors(start, "start"), as_vectors(goal, "goal")
+    begin, end = own_vectors(start, "start"), own_vectors(goal, "goal")
     if begin.shape != (4,) or end.shape != (4,) or not np.isfinite([begin, end]).all():
         raise InvalidInput("poses", "two finite poses (4,) are needed")
     if (begin == end).all():
