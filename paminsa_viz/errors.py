@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import difflib
 import unicodedata
 from collections.abc import Iterable
@@ -19,6 +20,11 @@ class PaminsaError(ValueError):
 
     def __init__(self, *parts: object) -> None:
         super().__init__(*(_uncontrolled(p) if isinstance(p, str) else p for p in parts))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Python would call the class with the text alone, which fails where it takes more: a pool
+        # of processes that gets such an error from a worker waits forever.
+        return copyreg.__newobj__, (type(self), *self.args), vars(self)
 
 
 def printable(text: str) -> str:

@@ -18,7 +18,7 @@ LEAST_STIFFNESS = 1e-11
 """Least eigenvalue of a stiffness with unit diagonal that is more than rounding."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
     """Small vibrations about an equilibrium; batch shape (...).
 

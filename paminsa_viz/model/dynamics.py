@@ -35,7 +35,7 @@ from paminsa_viz.model.robot import acceleration_of_force
 from paminsa_viz.model.statics import load_torques
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class InverseDynamics(OfLimits):
     """Torques that make a motion; batch shape (...), NaN where there is none.
 
@@ -55,7 +55,7 @@ class InverseDynamics(OfLimits):
     leg: NDArray[np.int8]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TorqueBreakdown:
     """The parts of an actuator torque, each (..., 4) [N m, N]; they add up to ``total``.
 

@@ -35,7 +35,7 @@ from paminsa_viz.model.statics import UNIT_TORQUES, lift_constant, static_imbala
 COORDINATES = ("x", "y", "theta", "z")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Grid:
     """Poses on a regular grid.
 

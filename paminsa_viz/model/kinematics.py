@@ -49,7 +49,7 @@ def wrap(angle: ArrayLike) -> Array:
         return wrap_angle(np.asarray(angle, dtype=np.float64))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Configuration:
     """The robot in poses of batch shape (...); what hangs on bars that cannot close is NaN.
 
@@ -119,7 +119,7 @@ def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointMotion:
     """Velocities and accelerations of everything, batch shape (...).
 
@@ -207,7 +207,7 @@ def _in_base(g: LegPosition, radial: Array, tangential: Array, vertical: Array) 
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AssemblyModes:
     """Platform assemblies for actuator positions of batch shape (...): at most two.
 

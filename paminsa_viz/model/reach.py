@@ -80,7 +80,7 @@ MARGINS: tuple[Limit, ...] = (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.
 """Limits in the order of the last axis of `Reach.margins`."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reach(OfLimits):
     """Whether poses of batch shape (...) can be taken.
 

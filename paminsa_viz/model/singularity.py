@@ -88,7 +88,7 @@ def twist_field(geometry: Geometry, pose: ArrayLike) -> Array:
     return np.stack(parts, axis=-1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Singularity:
     """How far poses of batch shape (...) are from singular ones.
 

@@ -138,7 +138,7 @@ def shown_imbalance(design: Design) -> float:
     return imbalance if abs(imbalance) > _ROUNDING * sum(map(abs, parts)) else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StaticBreakdown:
     """Static torques, body by body; batch shape (...).
 
