@@ -156,6 +156,9 @@ def map_view(
 ) -> go.Figure:
     """Return maps over x and y as a plotly figure, which shows values under the mouse.
 
+    Plotly's script draws it; where there is none, as in a notebook exported to HTML, its
+    ``write_html(path)`` keeps it, or `paminsa_viz.plots.render_maps` a picture.
+
     Args:
         design: The robot; that of Appendix 4 if left out.
         pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.

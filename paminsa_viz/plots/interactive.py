@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+import plotly.io
 from plotly.subplots import make_subplots
 
 from paminsa_viz.checks import kinds_checked, require_at_least
@@ -32,6 +33,32 @@ CONFIG: dict[str, Any] = {"displayModeBar": False, "doubleClick": "reset"}
 LEAST_WIDTH = 200
 """Least width of a figure [page pixels]; with less there is no room for the maps."""
 
+BY_SCRIPT = ("plotly_mimetype", "jupyterlab", "vscode", "nteract")
+"""Plotly's renderers whose output is data alone, which a script of the notebook's program draws."""
+
+WITHOUT_SCRIPT = "Maps, drawn by plotly's script; write_html(path) writes a page that has it."
+"""What a notebook says where that script is missing, as in its export as HTML or PDF."""
+
+
+class MapFigure(go.Figure):
+    """Maps as a plotly figure that a notebook shows without more than its kernel."""
+
+    def _ipython_display_(self) -> None:
+        if plotly.io.renderers.default in BY_SCRIPT:
+            # IPython then asks for the outputs below. Plotly's own needs nbformat, which a kernel
+            # in VS Code comes without; and it says nothing where the script is missing.
+            raise NotImplementedError
+        super()._ipython_display_()
+
+    def _repr_mimebundle_(self, *args: Any, **named: Any) -> dict[str, Any]:
+        found = super()._repr_mimebundle_(*args, **named)
+        # A picture beside the data would be preferred to them in JupyterLab, without any values.
+        return found | {"text/plain": WITHOUT_SCRIPT}
+
+    def _repr_html_(self) -> str | None:
+        # Plotly's asks the network for its script, and would be preferred too.
+        return None if plotly.io.renderers.default in BY_SCRIPT else super()._repr_html_()
+
 
 @kinds_checked
 def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 900) -> go.Figure:
@@ -52,7 +79,7 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
     scales = per_panel(data, scale)
     shared = len(set(scales)) == 1
     figure: Any = make_subplots(
-        1, data.panels, shared_yaxes=True, horizontal_spacing=0.03,
+        1, data.panels, shared_yaxes=True, horizontal_spacing=0.03, figure=MapFigure(),
         subplot_titles=[f"<b>{name}</b>" for name in data.names],
     )  # fmt: skip
     for index, (note, color) in enumerate(zip(figure.layout.annotations, data.colors, strict=True)):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import pickle
 from typing import Any
 
 import numpy as np
+import plotly.io
 import pytest
 
-from paminsa_viz.plots.interactive import interactive_map
+from paminsa_viz.plots.interactive import WITHOUT_SCRIPT, interactive_map
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.units import number
 from tests.plots.samples import OWN, SCALE, made_up, real
@@ -91,3 +93,20 @@ def test_infinite_and_missing_data_become_valid_json(choice: ScaleChoice) -> Non
     for data in (*made, real(21, quantities=("tau_1",))):
         text = interactive_map(data, choose_scales(data, choice)).to_json()
         json.loads(text, parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("renderer", ["plotly_mimetype", "vscode"])
+def test_a_notebook_gets_the_data_and_words_for_where_no_script_draws_them(
+    renderer, monkeypatch
+) -> None:
+    """As IPython asks; nothing else is needed, and no network."""
+    figure = interactive_map(made_up(), SCALE)
+    monkeypatch.setattr(plotly.io.renderers, "default", renderer)
+    with pytest.raises(NotImplementedError):  # IPython then takes the next kind of output
+        figure._ipython_display_()
+    found = figure._repr_mimebundle_()
+    assert found.pop("application/vnd.plotly.v1+json")["data"]
+    assert found == {"text/plain": WITHOUT_SCRIPT}
+    assert figure._repr_html_() is None
+    assert pickle.loads(pickle.dumps(figure)) == figure
