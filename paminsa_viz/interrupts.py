@@ -10,9 +10,12 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from importlib import import_module
+from types import ModuleType
 
 EXIT_CODE = 130
 """Exit code of a program stopped with Ctrl-C, as shells have it."""
@@ -103,3 +106,24 @@ def hidden_from_children() -> Iterator[None]:
             yield
         finally:
             masks(signal.SIG_SETMASK, before)
+
+
+def import_whole(name: str) -> ModuleType:
+    """Import a module that a `KeyboardInterrupt` must not tear, such as that of a notebook's stop.
+
+    Python would keep the parts of a library that were loaded, and every later import of it would
+    fail until the process ends. An interrupt reaches the main thread alone: another one imports.
+
+    Args:
+        name: The module's full name.
+    """
+    if name not in sys.modules and threading.current_thread() is threading.main_thread():
+        thread = threading.Thread(target=_try_import, args=(name,), daemon=True)
+        thread.start()
+        thread.join()
+    return import_module(name)  # which waits for one that an interrupted call has begun
+
+
+def _try_import(name: str) -> None:
+    with suppress(Exception):  # who has asked imports again, and gets the error
+        import_module(name)

@@ -13,6 +13,7 @@ import numpy as np
 
 from paminsa_viz.clearance import search
 from paminsa_viz.clearance.shapes import shapes_of
+from paminsa_viz.interrupts import import_whole
 from paminsa_viz.model.design import APPENDIX_4
 
 WORTH = 30
@@ -63,7 +64,8 @@ def compile_in_background() -> threading.Thread:
 
 
 def _compile() -> Any:
-    from paminsa_viz.model.compiled import OPTIONS, kernel, nothing, register  # slow to load
+    import_whole("paminsa_viz.model.compiled")  # slow to load: Numba comes with it
+    from paminsa_viz.model.compiled import OPTIONS, kernel, nothing, register
 
     function = search.least_distances
     digest = register(function, inline=False)

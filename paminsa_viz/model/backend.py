@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.interrupts import import_whole
 from paminsa_viz.model import leg, robot
 from paminsa_viz.model.arrays import Array, as_kernels_take
 from paminsa_viz.model.lumped import EnergyTerms
@@ -86,13 +87,12 @@ class _Kernels:
     def compiler(self) -> ModuleType | None:
         """Return what compiles; without Numba None, and from then on all runs on NumPy."""
         try:
-            from paminsa_viz.model import compiled
+            return import_whole("paminsa_viz.model.compiled")
         except ModuleNotFoundError as error:
             if error.name != "numba":
                 raise
             self.deferred = True  # whatever the size
             return None
-        return compiled
 
     def load(self, *formulas: Formula, motions: bool = True) -> None:
         with self.lock:

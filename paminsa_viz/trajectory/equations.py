@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.interrupts import import_whole
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -44,7 +45,8 @@ def _unpack(robot):
 def _compiled() -> Callable[..., Array]:
     """Return `plant.derivative`, compiled or loaded from disk by a call."""
     global to_fixed_tuple
-    from numba.extending import register_jitable  # slow to load
+    import_whole("paminsa_viz.model.compiled")  # slow to load: Numba comes with it
+    from numba.extending import register_jitable
     from numba.np.unsafe.ndarray import to_fixed_tuple
 
     from paminsa_viz.model.compiled import OPTIONS, kernel, register

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.interrupts import import_whole
 from paminsa_viz.model import kinematic_formulas, leg, measures, robot
 
 TORQUE_COLUMNS = ("tau_1", "tau_2", "tau_3", "f_4", "max_torque", "rms_torque")
@@ -20,7 +21,8 @@ TORQUE_COLUMNS = ("tau_1", "tau_2", "tau_3", "f_4", "max_torque", "rms_torque")
 @cache
 def load() -> tuple[Any, Any, Any, Any]:
     """Compile the kernels, or load them from disk: conditions, torques, radii, plate."""
-    from paminsa_viz.model.compiled import OPTIONS, kernel, register  # brings Numba
+    import_whole("paminsa_viz.model.compiled")  # slow to load: Numba comes with it
+    from paminsa_viz.model.compiled import OPTIONS, kernel, register
 
     strict = kernel(**{key: value for key, value in OPTIONS.items() if key != "fastmath"})
     return (
