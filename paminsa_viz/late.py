@@ -10,9 +10,12 @@ imports it where only type checkers look::
     __getattr__ = late_names(__name__)
 
 Those imports are carried out one by one, see PEP 562, so that the home of a name stands once.
+``dir``, which completes names at a prompt, lists them before.
 """
 
 from __future__ import annotations
+
+import sys
 
 TYPE_CHECKING = False  # that of `typing`, which takes longer to import than all of this
 if TYPE_CHECKING:
@@ -22,22 +25,25 @@ if TYPE_CHECKING:
 def late_names(package: str) -> Callable[[str], object]:
     """Return the ``__getattr__`` of a package whose imports stand below ``if TYPE_CHECKING:``.
 
+    The package gets a ``__dir__`` too, unless it has one.
+
     No name may be that of a module in the package, since importing the module replaces it.
 
     Args:
         package: The package's full name.
     """
     homes: dict[str, str] = {}
+    here = vars(sys.modules[package])
+    here.setdefault("__dir__", lambda: sorted({*here, *here["__all__"]}))
 
     def find(name: str) -> object:
-        import sys
         from importlib import import_module
 
         homes.update(homes or _homes(package))
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         value = getattr(import_module(homes[name]), name)
-        setattr(sys.modules[package], name, value)
+        here[name] = value
         return value
 
     return find

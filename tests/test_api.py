@@ -159,7 +159,9 @@ LATE = {
 
 
 @pytest.mark.parametrize("package", LATE)
-def test_names_imported_on_first_use_are_listed_and_no_module_takes_their_place(package) -> None:
+def test_names_imported_on_first_use_are_listed_and_no_module_takes_their_place(
+    package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     module, names = importlib.import_module(package), LATE[package]
     assert names.keys() - {"__version__"} <= set(module.__all__)
     assert not names.keys() & {one.name for one in pkgutil.iter_modules(module.__path__)}
@@ -167,6 +169,8 @@ def test_names_imported_on_first_use_are_listed_and_no_module_takes_their_place(
         assert getattr(module, name) is getattr(
             importlib.import_module(f"paminsa_viz.{home}"), name
         )
+    monkeypatch.delattr(module, next(iter(names)))  # as before its first use
+    assert set(module.__all__) <= set(dir(module))
     with pytest.raises(AttributeError, match=f"'{package}' has no attribute 'nothing'"):
         module.nothing  # noqa: B018
 
