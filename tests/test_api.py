@@ -17,11 +17,12 @@ from enum import Enum
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import pytest
 
 import paminsa_viz
+from paminsa_viz.model.arguments import of_design
 
 ROOT = Path(__file__).parents[1]
 
@@ -212,6 +213,13 @@ def test_arguments_come_in_one_order(name) -> None:
         if inspect.isfunction(value):
             known = [ORDER.index(p) for p in inspect.signature(value).parameters if p in ORDER]
             assert known == sorted(known), public_name
+
+
+def test_type_checkers_see_a_function_of_a_design_as_it_is_written() -> None:
+    """With the name of its first argument, which may then be given as ``design=``."""
+    hints = get_type_hints(of_design)
+    assert hints["function"] == hints["return"]
+    assert "Concatenate" not in str(hints["return"])  # which has types without names
 
 
 def test_package_is_typed_and_has_one_version() -> None:

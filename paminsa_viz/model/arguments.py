@@ -52,10 +52,11 @@ def of_geometry(
     return cast(Any, _checked(function, "geometry", geometry_of))
 
 
-def of_design(function: Callable[Concatenate[Design, P], R]) -> Callable[Concatenate[Design, P], R]:
+def of_design(function: Callable[P, R]) -> Callable[P, R]:
     """Let a function whose first argument is a `Design` refuse all else.
 
-    The decorated function raises InvalidInput if its first argument is no design.
+    The decorated function raises InvalidInput if its first argument is no design. Its type is as
+    before, so that a type checker lets ``design=`` be named, too.
     """
 
     def design_of(value: object) -> Design:
