@@ -54,7 +54,9 @@ def on_interrupt(action: Callable[[], str | None]) -> Iterator[None]:
 def exit_on_interrupt(program: str) -> None:
     """From now on let Ctrl-C end the process with `EXIT_CODE` and one line on stderr.
 
-    To be called from the main thread.
+    The first process of a container is ended so by SIGTERM as well: Linux gives that one no signal
+    for which it has no handler, and `docker stop` would wait 10 s. To be called from the main
+    thread.
 
     Args:
         program: Name that begins the line.
@@ -64,14 +66,17 @@ def exit_on_interrupt(program: str) -> None:
         os.set_blocking(writing, False)
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     signal.signal(signal.SIGINT, lambda *_: None)
+    if os.getpid() == 1:
+        signal.signal(signal.SIGTERM, lambda *_: None)
     # Last, as it takes longest: a signal that comes before it waits in the pipe.
     threading.Thread(target=_watch, args=(reading, program), daemon=True).start()
 
 
 def _watch(reading: int, program: str) -> None:
-    while os.read(reading, 1)[0] != signal.SIGINT:
+    while (number := os.read(reading, 1)[0]) not in (signal.SIGINT, signal.SIGTERM):
         pass  # another signal that has a handler
-    deadline = threading.Timer(TIMEOUT, _end, [program, "stopped"])
+    code = 128 + number
+    deadline = threading.Timer(TIMEOUT, _end, [program, "stopped", code])
     deadline.daemon = True
     deadline.start()
     _step.acquire()  # never released: nothing begins from here on
@@ -79,13 +84,13 @@ def _watch(reading: int, program: str) -> None:
     for action in reversed(_actions):
         with suppress(Exception):
             line = action() or line
-    _end(program, line)
+    _end(program, line, code)
 
 
-def _end(program: str, line: str) -> None:
+def _end(program: str, line: str, code: int) -> None:
     with suppress(OSError):
         os.write(2, f"{program}: {line}\n".encode())
-    os._exit(EXIT_CODE)
+    os._exit(code)
 
 
 def ignore_interrupts() -> None:

@@ -190,3 +190,20 @@ threading.Timer({1.0 if place == "a native solver" else 0.1}, os.kill,
     assert done.returncode == 130, done.stderr
     assert done.stderr == b"test: stopped\n"
     assert not list(tmp_path.iterdir())
+
+
+def test_the_first_process_of_a_container_is_ended_by_sigterm(tmp_path) -> None:
+    code = """
+import os, signal, threading, time
+from paminsa_viz import interrupts
+from paminsa_viz.files.atomic import open_atomically
+number = os.getpid()
+os.getpid = lambda: 1
+interrupts.exit_on_interrupt("test")
+threading.Timer(0.1, os.kill, [number, signal.SIGTERM]).start()
+with open_atomically("new.txt") as file:
+    time.sleep(30)
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True)
+    assert (done.returncode, done.stderr) == (143, b"test: stopped\n")  # as of any killed program
+    assert not list(tmp_path.iterdir())
