@@ -292,10 +292,11 @@ def _target(path: str | os.PathLike[str]) -> tuple[Path, int | None]:
     """
     name = os.fspath(path)
     try:
-        target = Path(os.path.realpath(path))
-        found = target.stat().st_mode
-    except FileNotFoundError:
-        return Path(os.path.realpath(path)), None
+        target = Path(os.path.realpath(path))  # fails in a folder that has been removed
+        try:
+            found = target.stat().st_mode
+        except FileNotFoundError:
+            return target, None
     except (OSError, ValueError) as error:
         raise as_file_error(name, error, "written") from error
     if not stat.S_ISREG(found):

@@ -361,3 +361,15 @@ def test_a_table_that_another_program_has_open_is_said_to_be_so(
             write_bytes(tmp_path / "a.csv", b"")
         assert str(caught.value).endswith(f"a.csv: cannot be written: access is denied{hint}")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a folder that is in use cannot be removed")
+def test_a_current_folder_that_has_been_removed_is_named_with_the_file(
+    tmp_path, monkeypatch
+) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    with pytest.raises(FileError, match=r"^a\.txt: cannot be written: its folder does not exist$"):
+        write_bytes("a.txt", b"")
