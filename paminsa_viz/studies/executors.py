@@ -78,12 +78,15 @@ def processes(count: int | None = None) -> Iterator[Workers]:
     Each imports the script that starts them: there, do it below ``if __name__ == "__main__":``.
 
     Args:
-        count: Their number; None for one on each core. One process is this one.
+        count: Their number; None for one on each core, if they can work together here. One process
+            is this one.
 
     Raises:
-        InvalidInput: If the number is below 1, or above what the system allows.
+        InvalidInput: If the number is below 1 or above what the system allows, or several cannot
+            work together.
     """
-    count = min(_cores(), MOST_PROCESSES) if count is None else count
+    given = count is not None
+    count = count if count is not None else min(_cores(), MOST_PROCESSES)
     if count < 1:
         raise InvalidInput("workers", f"one process at least is needed, not {count}")
     if count > MOST_PROCESSES:
@@ -97,7 +100,14 @@ def processes(count: int | None = None) -> Iterator[Workers]:
     # Not forked: a fork takes over threads' locks, and differs from what Windows and macOS do.
     context = multiprocessing.get_context("spawn")
     _start_quiet_tracker()
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_start_process)
+    try:
+        pool = ProcessPoolExecutor(count, mp_context=context, initializer=_start_process)
+    except (OSError, NotImplementedError) as error:  # no semaphores, as where /dev/shm is missing
+        if given:
+            problem = "processes cannot work together on this system, as without /dev/shm"
+            raise InvalidInput("workers", f"{problem}; 1 works in this one") from error
+        yield here
+        return
     try:
         with on_interrupt(_end_processes):
             yield Workers(pool, count)

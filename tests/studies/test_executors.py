@@ -78,6 +78,21 @@ def test_one_process_is_this_one() -> None:
         assert list(workers.in_order(str, [1, 2])) == ["1", "2"]
 
 
+def test_one_process_works_where_several_cannot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As multiprocessing says where /dev/shm is missing or read-only."""
+
+    def semaphores(*_: object, **__: object) -> None:
+        raise FileNotFoundError(2, "No such file or directory")
+
+    monkeypatch.setattr(executors, "ProcessPoolExecutor", semaphores)
+    monkeypatch.setattr(executors, "_cores", lambda: 2)
+    monkeypatch.setattr(executors.backend, "compile_now", lambda: None)
+    with processes() as workers:
+        assert workers is here
+    with pytest.raises(InvalidInput, match="cannot work together on this system"):
+        processes(2).__enter__()
+
+
 @pytest.mark.parametrize("count", [0, -1])
 def test_fewer_than_one_process_is_refused(count: int) -> None:
     with pytest.raises(InvalidInput, match=f"workers: one process at least is needed, not {count}"):
