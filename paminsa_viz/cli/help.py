@@ -35,7 +35,7 @@ def described(kind: Any) -> Any:
         same = field(default=item.default, default_factory=item.default_factory)  # pyright: ignore
         flags.append((item.name, Annotated[hints[item.name], marks], same))
     made = make_dataclass(kind.__name__, flags, kw_only=True)
-    made.__doc__ = inspect.getdoc(kind)  # what a list of subcommands says
+    made.__doc__ = ast.get_docstring(_tree(kind))  # what a list of subcommands says
     return made
 
 
@@ -43,14 +43,19 @@ def flag_texts(kind: type) -> dict[str, str]:
     """Return the text below each field of a dataclass, inherited ones included."""
     found: dict[str, str] = {}
     for owner in reversed(kind.__mro__[:-1]):
-        body = ast.parse(textwrap.dedent(inspect.getsource(owner))).body[0]
-        assert isinstance(body, ast.ClassDef)
-        for item, after in pairwise(body.body):
+        for item, after in pairwise(_tree(owner).body):
             if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
                 assert isinstance(after, ast.Expr)
                 assert isinstance(after.value, ast.Constant)
                 found[item.target.id] = " ".join(str(after.value.value).split())
     return found
+
+
+def _tree(kind: type) -> ast.ClassDef:
+    """Return the source of a class: that of fields is kept nowhere else, nor any by python -OO."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
+    assert isinstance(tree, ast.ClassDef)
+    return tree
 
 
 KINDS = {int: "N", float: "X", str: "NAME"}

@@ -80,7 +80,7 @@ def read_source(function: FunctionType) -> Source:
     tree = ast.parse(text).body[0]
     if not isinstance(tree, ast.FunctionDef):
         raise NotPrintable(function.__name__, 1, "what is no function")
-    return Source(function, tree, _comments(text), inspect.getdoc(function) or "")
+    return Source(function, tree, _comments(text), ast.get_docstring(tree) or "")
 
 
 def read_record(kind: type) -> Record:
@@ -95,7 +95,7 @@ def read_record(kind: type) -> Record:
     }
     names: tuple[str, ...] = getattr(kind, "_fields")  # noqa: B009
     beside = tuple(lines.get(name, "") for name in names)
-    return Record(kind.__name__, names, len(names), beside, inspect.getdoc(kind) or "")
+    return Record(kind.__name__, names, len(names), beside, ast.get_docstring(tree) or "")
 
 
 def is_record(value: object) -> TypeGuard[type]:

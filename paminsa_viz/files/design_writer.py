@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -111,7 +112,7 @@ def _optional_table(design: Design, table: str) -> list[str]:
             rows.append(
                 (f"{key.name} = {value!r}", f"{key.parameter.symbol}, {key.parameter.label}")
             )
-    return ["", f"[{table}]  {_table_comment(table)}", *_aligned(rows)] if rows else []
+    return ["", f"[{table}]  {_table_comment(table)}".rstrip(), *_aligned(rows)] if rows else []
 
 
 def _drive_rows(drive: Drive) -> list[tuple[str, str]]:
@@ -159,6 +160,8 @@ def _comment(design: Design, key: DesignKey) -> str:
 
 
 def _table_comment(table: str) -> str:
-    """Return the first sentence of the group's own documentation."""
+    """Return the first sentence of the group's own documentation, which python -OO leaves out."""
+    if sys.flags.optimize > 1:
+        return ""
     text = (type(getattr(APPENDIX_4, table)).__doc__ or "").strip().splitlines()
     return f"# {text[0].rstrip('.')}" if text else ""

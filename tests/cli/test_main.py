@@ -150,6 +150,24 @@ def test_the_module_is_the_program() -> None:
 
 
 @pytest.mark.slow
+def test_words_are_the_same_without_docstrings() -> None:
+    """As of ``PYTHONOPTIMIZE=2``; only what stands beside a table's name is left out."""
+    results: list[dict[str, str]] = []
+    for optimized in ((), ("-OO",)):
+        code = "from paminsa_viz.cli import main; main('code --out c'.split());"
+        code += "main('design default --out d.toml'.split()); main(['design', '--help'])"
+        printed = run_process(*optimized, "-c", code).stdout
+        files = {str(path): path.read_text("utf-8") for path in Path("c").rglob("*.*")}
+        toml = re.sub(r"(?m)^(\[\w+\])  #.*", r"\1", Path("d.toml").read_text("utf-8"))
+        results.append({"printed": printed, "d.toml": toml, **files})
+    usual, without = results
+    assert "Print every value of a design" in usual["printed"]
+    assert len(usual) > 5
+    for name, text in usual.items():
+        assert without[name] == text, name
+
+
+@pytest.mark.slow
 def test_a_reader_that_goes_away_causes_no_traceback() -> None:
     command = [sys.executable, "-m", "paminsa_viz", "design", "default"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
