@@ -108,18 +108,21 @@ def status_line(text: str) -> Iterator[Callable[[str], None]]:
 
 
 def announce_compilation() -> None:
-    """Tell people, once, why the first run after installing takes longer."""
+    """Tell people, once, why the first run after installing takes longer, or why each does."""
     log = logging.getLogger("paminsa_viz.model.compiled")
     log.addHandler(_announcement)
     log.setLevel(logging.INFO)
 
 
 class _Announcement(logging.Handler):
-    """Tells of the first kernel that is not on disk."""
+    """Tells of the first kernel that is not on disk, and whether it will be."""
 
     def emit(self, record: logging.LogRecord) -> None:
         logging.getLogger(record.name).removeHandler(self)
-        print_began("compiling, once after installing")
+        if getattr(record, "kept", True):
+            print_began("compiling, once after installing")
+        else:
+            print_began("compiling at each start: no folder keeps it; NUMBA_CACHE_DIR can name one")
 
 
 _announcement = _Announcement()

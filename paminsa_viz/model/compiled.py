@@ -148,8 +148,10 @@ def kernel(**options: Any) -> Callable[[FunctionType], Any]:
 
     def compiled(function: FunctionType) -> Any:
         dispatcher: Any = njit(**options)(function)
-        with suppress(RuntimeError):  # there is no folder for it
+        try:
             dispatcher._cache = _Cache(function)
+        except RuntimeError:  # there is no folder for it
+            log.info("%s is compiled at each start", function.__name__, extra={"kept": False})
         return dispatcher
 
     return compiled

@@ -231,3 +231,17 @@ def test_compiling_is_announced_once(capsys, monkeypatch: pytest.MonkeyPatch) ->
     for name in ("one", "another"):
         compiled.log.info("%s is compiled", name)
     assert capsys.readouterr().err == "compiling, once after installing ...\n"
+
+
+def test_compiling_without_a_folder_is_announced_as_such(
+    capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_folder(function: object) -> None:
+        raise RuntimeError("no locator available")  # as Numba says
+
+    monkeypatch.setattr(compiled.log, "level", logging.NOTSET)
+    monkeypatch.setattr(compiled, "_Cache", no_folder)
+    announce_compilation()
+    compiled.kernel()(lambda x: x)
+    line = "compiling at each start: no folder keeps it; NUMBA_CACHE_DIR can name one ...\n"
+    assert capsys.readouterr().err == line
