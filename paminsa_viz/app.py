@@ -8,8 +8,10 @@ import sys
 import threading
 import warnings
 import webbrowser
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
@@ -148,6 +150,7 @@ class App:
         self.sessions: dict[int, Session] = {}
         self.memory = Memory()
         self._first_tab = threading.Event()
+        self._failures: SimpleQueue[OSError] = SimpleQueue()
         wanted = options.token == "on" or (options.token == "auto" and options.exposed)
         self.token = AccessToken() if wanted else None
         self.server = open_server(
@@ -190,6 +193,18 @@ class App:
             self.sessions.pop(client.client_id, None)
         self.memory.free_closed_page()
 
+    def fail(self, error: OSError) -> None:
+        """Let `serve` end with an error: no page can be built."""
+        self._failures.put(error)
+
+    def serve(self) -> None:
+        """Wait for an error, which need not come.
+
+        Raises:
+            OSError: If what every page needs cannot be loaded.
+        """
+        raise self._failures.get()
+
     def stop(self) -> None:
         """Close every session and the server."""
         for session in list(self.sessions.values()):
@@ -220,6 +235,8 @@ def _warm_up(app: App, first_tab: threading.Event) -> None:
     """
     try:
         _load(app, first_tab)
+    except OSError as error:  # as matplotlib's where no folder at all can be written
+        app.fail(error)
     finally:
         app.memory.leave_loaded()
 
@@ -262,6 +279,7 @@ def run(options: AppOptions) -> None:
     Raises:
         PaminsaError: If the design file is not usable, asks for more than a page can keep, or the
             port is taken.
+        OSError: If what every page needs cannot be loaded.
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
 
@@ -280,11 +298,12 @@ def run(options: AppOptions) -> None:
     notice = exposure_notice(options.host)
     if notice:
         print(notice, file=sys.stderr)
-    print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
+    with suppress(OSError):  # pages are served though nobody reads where
+        print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
     if options.browser:
         threading.Thread(target=webbrowser.open, args=(app.url,), daemon=True).start()
     try:
-        threading.Event().wait()
+        app.serve()
     finally:  # where Ctrl-C is an exception, as in a notebook
         app.stop()
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+import io
+import sys
 import threading
 import weakref
 from pathlib import Path
@@ -202,3 +204,26 @@ def test_requirements_that_no_page_can_keep_are_refused_at_the_start(
     path = save_design(APPENDIX_4, tmp_path / "robot.toml", requirements=needed)
     with pytest.raises(InvalidInput, match=f"at most {MOST_REQUIREMENTS} are possible here"):
         program.run(AppOptions(port=0, browser=False, design=path))
+
+
+class _Closed(io.StringIO):
+    """An output whose reader has gone when the address is printed."""
+
+    def flush(self) -> None:
+        if self.getvalue().count("\n") == 1:
+            raise BrokenPipeError
+
+
+def test_a_server_that_can_build_no_page_ends_with_the_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Matplotlib needs a folder that it can write; that nobody reads the address is no reason."""
+
+    def load(*_: object) -> None:
+        raise OSError("a folder is needed")
+
+    monkeypatch.setattr(program, "set_up_process", lambda: None)
+    monkeypatch.setattr(program, "_load", load)
+    monkeypatch.setattr(sys, "stdout", _Closed())
+    with pytest.raises(OSError, match="a folder is needed"):
+        program.run(AppOptions(port=0, browser=False))
