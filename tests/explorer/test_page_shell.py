@@ -236,8 +236,7 @@ def test_docks_follow_the_window(tab: Tab) -> None:
     edges = tab.page.evaluate(VIEW)
     tab.cut_connection()  # all of the page is made again, with the same docks
     until(lambda: tab.session.built.is_set(), "all of it is there")
-    tab.wait_frames(2000)
-    assert np.isclose(tab.page.evaluate(VIEW), edges)
+    until(lambda: np.isclose(tab.page.evaluate(VIEW), edges), "the view has the same share")
     assert tab.state.docks == Docks()
 
 
