@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copyreg
 import difflib
 import unicodedata
 from collections.abc import Iterable
@@ -24,7 +23,11 @@ class PaminsaError(ValueError):
     def __reduce__(self) -> tuple[object, ...]:
         # Python would call the class with the text alone, which fails where it takes more: a pool
         # of processes that gets such an error from a worker waits forever.
-        return copyreg.__newobj__, (type(self), *self.args), vars(self)
+        return _without_init, (type(self), *self.args), vars(self)
+
+
+def _without_init(kind: type[PaminsaError], *parts: object) -> PaminsaError:
+    return kind.__new__(kind, *parts)
 
 
 def printable(text: str) -> str:

@@ -83,7 +83,7 @@ GAP = """height => {
   const row = document.querySelector('[data-paminsa-mark~="workspaces"]');
   Object.assign(strip.style, { height, boxSizing: "border-box" });
   const view = strip.closest(".mantine-ScrollArea-viewport");
-  view.scrollTo(0, 300);
+  view.scrollTo(0, view.scrollHeight); // beyond the folder File, which may be open
   if (view.scrollTop < 100) return null; // what scrolls is still to come
   return row.getBoundingClientRect().top - strip.getBoundingClientRect().bottom;
 }"""
