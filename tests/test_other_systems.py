@@ -56,7 +56,7 @@ sys.exit(main())
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(os.name != "posix", reason="takes away what only such a system has")
+@pytest.mark.skipif(os.name != "posix", reason="removes names of POSIX systems")
 def test_every_module_and_a_command_work_without_what_windows_lacks(tmp_path: Path) -> None:
     (tmp_path / "poses.csv").write_text("x_m,y_m,theta_rad,z_m\n0,0,0.5,-0.6\n")
     done = subprocess.run(

@@ -45,8 +45,8 @@ class MapFigure(go.Figure):
 
     def _ipython_display_(self) -> None:
         if plotly.io.renderers.default in BY_SCRIPT:
-            # IPython then asks for the outputs below. Plotly's own needs nbformat, which a kernel
-            # in VS Code comes without; and it says nothing where the script is missing.
+            # By this error IPython knows to ask for the outputs below. Plotly's own needs nbformat,
+            # which a kernel in VS Code comes without, and says nothing where its script is missing.
             raise NotImplementedError
         super()._ipython_display_()
 
