@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -109,7 +109,7 @@ class Selection:
     """
 
     cycle: DutyCycle
-    sizings: tuple[Sizing, ...]
+    sizings: tuple[Sizing, ...] = field(repr=False)
     rows: tuple[NDArray[np.intp], ...]
     same: bool
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,7 +36,7 @@ class Clearance:
             overlap, the ends of a shift that parts them.
     """
 
-    shapes: Shapes
+    shapes: Shapes = field(repr=False)
     least: Array
     pair: NDArray[np.int64]
     points: Array

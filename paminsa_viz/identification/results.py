@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import permutations
 
 import numpy as np
@@ -213,14 +213,14 @@ class Identification:
     start: tuple[float, ...] | None
     estimates: tuple[Estimate, ...]
     identity: Identity
-    signals: Signals
+    signals: Signals = field(repr=False)
     predicted: Array
     noise: Array
     notes: tuple[str, ...]
-    model: FitModel
-    solution: FitSolution
-    blocks: NormalBlocks
-    numbers: NDArray[np.int64]
+    model: FitModel = field(repr=False)
+    solution: FitSolution = field(repr=False)
+    blocks: NormalBlocks = field(repr=False)
+    numbers: NDArray[np.int64] = field(repr=False)
     lag: float
     problem: str
 

@@ -187,8 +187,15 @@ class Group:
         cls, path: str | None = None, limits: tuple[float, float] | None = None
     ) -> None:
         """Name the group in error messages, and give it a range of its own for any number."""
+        cls.__repr__ = Group.__repr__  # a dataclass keeps one that is there
         if path is not None:
             cls._path, cls._limits = path, limits
+
+    def __repr__(self) -> str:
+        """Return what makes it: of its values, those that are not the default."""
+        values = ((item, getattr(self, item.name)) for item in fields(self))  # type: ignore[arg-type]
+        chosen = (f"{item.name}={value!r}" for item, value in values if value != item.default)
+        return f"{type(self).__name__}({', '.join(chosen)})"
 
     def __post_init__(self) -> None:
         # Whole numbers become floats, or each of them would have the formulas compiled again.

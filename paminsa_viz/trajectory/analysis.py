@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,7 +68,7 @@ class TrajectoryAnalysis:
     """
 
     design: Design
-    solved: SolvedTrajectory
+    solved: SolvedTrajectory = field(repr=False)
     torque: Array
 
     @property

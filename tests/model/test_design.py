@@ -27,6 +27,7 @@ from paminsa_viz.model import (
     PaminsaError,
     Parameter,
 )
+from paminsa_viz.model import design as model_design
 from paminsa_viz.model.design import OPTIONAL_GROUPS
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, SMALLEST, possible_range
 from paminsa_viz.units import rounded_to_side, unit_text
@@ -358,6 +359,15 @@ def test_a_counterweight_is_at_its_joint_and_weighs_nothing_unless_it_is_said() 
     assert [place.split()[-3] for place in places] == ["beyond", "beyond", "before"]
     for joint in (7.0, np.int64(7)):
         assert repr(Counterweight("b3", joint)) == repr(Counterweight("b3", 7))
+
+
+@given(samples.edge_designs())
+def test_a_design_is_printed_as_what_makes_it_without_what_is_the_papers(design: Design) -> None:
+    assert repr(Design(name="mine")) == "Design(name='mine')"
+    lower = replace(design, geometry=replace(design.geometry, knee=KneeBranch.LOWER))
+    printed = repr(lower)
+    assert eval(printed, vars(model_design)) == lower
+    assert "gravity" in printed or design.gravity == APPENDIX_4.gravity
 
 
 def test_a_refusal_names_the_ends_in_the_unit_that_is_shown() -> None:

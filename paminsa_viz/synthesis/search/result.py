@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from paminsa_viz.model.design import Design
@@ -86,7 +86,7 @@ class SynthesisResult:
     feasible: bool
     objective: float
     outcomes: tuple[BoundOutcome, ...]
-    states: tuple[RegimeState, ...]
+    states: tuple[RegimeState, ...] = field(repr=False)
     refused: dict[Regime, str]
     relaxed: tuple[RelaxedBound, ...]
     canceled: bool
