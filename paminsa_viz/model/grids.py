@@ -286,7 +286,7 @@ def _evaluate(
         if filled is not part:
             part[:] = filled
 
-    count = threads or (os.cpu_count() or 1 if len(pieces) >= WORTH_THREADS else 1)
+    count = threads or (usable_cores() if len(pieces) >= WORTH_THREADS else 1)
     _share(work, pieces, count)
     # back to the order of the grid's axes, the results of the formula first
     shape = (*outer_shape, *(() if last_theta else (columns,)))
@@ -297,9 +297,16 @@ def _evaluate(
     )
 
 
+def usable_cores() -> int:
+    """Return how many cores this process may use."""
+    # so does os.process_cpu_count from Python 3.13 on
+    affinity: Any = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
 @cache
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="paminsa-grid")
+    return ThreadPoolExecutor(usable_cores(), thread_name_prefix="paminsa-grid")
 
 
 def _share(

@@ -20,6 +20,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.interrupts import hidden_from_children, on_interrupt
 from paminsa_viz.model import backend
+from paminsa_viz.model.grids import usable_cores
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -86,7 +87,7 @@ def processes(count: int | None = None) -> Iterator[Workers]:
             work together.
     """
     given = count is not None
-    count = count if count is not None else min(_cores(), MOST_PROCESSES)
+    count = count if count is not None else min(usable_cores(), MOST_PROCESSES)
     if count < 1:
         raise InvalidInput("workers", f"one process at least is needed, not {count}")
     if count > MOST_PROCESSES:
@@ -147,12 +148,6 @@ def cluster(address: str) -> Iterator[Workers]:
             raise InvalidInput("dask", f"the scheduler at {address[:60]} has no workers")
         with client.get_executor(pure=False, retries=2) as executor:
             yield Workers(executor, count)
-
-
-def _cores() -> int:
-    """Return how many cores this process may use."""
-    affinity: Any = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def _start_quiet_tracker() -> None:

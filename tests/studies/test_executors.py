@@ -11,8 +11,9 @@ from typing import Any
 import pytest
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.grids import usable_cores
 from paminsa_viz.studies import Workers, executors, processes
-from paminsa_viz.studies.executors import _cores, _start_quiet_tracker, here
+from paminsa_viz.studies.executors import _start_quiet_tracker, here
 from tests.support.chromium import until
 
 
@@ -85,7 +86,7 @@ def test_one_process_works_where_several_cannot(monkeypatch: pytest.MonkeyPatch)
         raise FileNotFoundError(2, "No such file or directory")
 
     monkeypatch.setattr(executors, "ProcessPoolExecutor", semaphores)
-    monkeypatch.setattr(executors, "_cores", lambda: 2)
+    monkeypatch.setattr(executors, "usable_cores", lambda: 2)
     monkeypatch.setattr(executors.backend, "compile_now", lambda: None)
     with processes() as workers:
         assert workers is here
@@ -109,7 +110,7 @@ def test_windows_waits_for_61_processes_at_most(monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(executors, "MOST_PROCESSES", 61)
     monkeypatch.setattr(executors, "ProcessPoolExecutor", pool)
-    monkeypatch.setattr(executors, "_cores", lambda: 64)
+    monkeypatch.setattr(executors, "usable_cores", lambda: 64)
     monkeypatch.setattr(executors, "_start_quiet_tracker", lambda: None)
     monkeypatch.setattr(executors.backend, "compile_now", lambda: None)
     for count in (None, 61):
@@ -122,11 +123,11 @@ def test_windows_waits_for_61_processes_at_most(monkeypatch: pytest.MonkeyPatch)
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {1, 5, 7}, raising=False)
-    assert _cores() == 3
+    assert usable_cores() == 3
     monkeypatch.delattr(os, "sched_getaffinity")
     for known, expected in ((6, 6), (None, 1)):
         monkeypatch.setattr(os, "cpu_count", lambda known=known: known)
-        assert _cores() == expected
+        assert usable_cores() == expected
 
 
 @pytest.mark.parametrize("before", [None, "error"])
