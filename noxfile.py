@@ -60,7 +60,7 @@ def benchmarks(session: nox.Session) -> None:
 
 @nox.session
 def usd_readers(session: nox.Session) -> None:
-    """Read the exported USD with OpenUSD's validators and with Newton, which need much room."""
+    """Read the exported USD with OpenUSD's validators and Newton, which take much disk space."""
     readers = ("newton", "newton-usd-schemas", "usd-core")
     session.install("-e", ".", *readers, "pytest", "pytest-xdist", "hypothesis")
     session.run("pytest", "tests/engines/usd_readers.py", *session.posargs)
@@ -75,7 +75,7 @@ def monkey(session: nox.Session) -> None:
 
 @nox.session
 def mutants(session: nox.Session) -> None:
-    """Say which changes of a room its tests notice: ``-- identification --seed 3``."""
+    """Say which changes of a subpackage its tests notice: ``-- identification --seed 3``."""
     install(session, "test")
     session.run("python", "-m", "mutants.run", *session.posargs)
 

@@ -1,1 +1,1 @@
-"""Mutation tests: which small changes of the source the tests of its room notice."""
+"""Mutation tests: which small changes of the source the tests of its subpackage notice."""

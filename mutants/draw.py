@@ -118,19 +118,19 @@ def candidates(path: str, source: bytes) -> list[Mutant]:
     return found
 
 
-def drawn(root: Path, room: str, seed: int, count: int) -> list[Mutant]:
-    """Return so many different changes of a room's files; a seed gives the same ones every time.
+def drawn(root: Path, subpackage: str, seed: int, count: int) -> list[Mutant]:
+    """Return so many different changes of a subpackage's files; a seed gives the same ones.
 
     Args:
         root: The checkout.
-        room: Name of a folder of the package.
+        subpackage: Name of a folder of the package.
         seed: Of the draw.
-        count: How many; fewer if the room has fewer.
+        count: How many; fewer if the subpackage has fewer.
     """
     every: list[Mutant] = []
-    for file in sorted((root / "paminsa_viz" / room).rglob("*.py")):
+    for file in sorted((root / "paminsa_viz" / subpackage).rglob("*.py")):
         every += candidates(file.relative_to(root).as_posix(), file.read_bytes())
-    return random.Random(f"{room} {seed}").sample(every, min(count, len(every)))
+    return random.Random(f"{subpackage} {seed}").sample(every, min(count, len(every)))
 
 
 def _changes(tree: ast.AST) -> Iterator[tuple[_Node, Sequence[_Node]]]:

@@ -32,7 +32,7 @@ Place = tuple[str, int]
 
 @dataclass
 class Record:
-    """What the tests of a room do.
+    """What the tests of a subpackage do.
 
     Attributes:
         calls: Functions that each test calls, by the test's name.
@@ -80,7 +80,7 @@ class Order:
     """A plugin of pytest that puts the likeliest tests first.
 
     Args:
-        record: Of the room's tests without a change.
+        record: Of the subpackage's tests without a change.
         place: The function that has the change; None if it stands in no function.
         first: Name of the module that has it.
         only: Whether tests that do not call the function are left out, where any does.

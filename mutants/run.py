@@ -1,4 +1,4 @@
-"""Run the tests of a room on changed copies of it: ``python -m mutants.run identification``.
+"""Run the tests of a subpackage on changed copies of it: ``python -m mutants.run identification``.
 
 The checkout is never changed: a copy in a temporary folder is, one file at a time, and goes with
 the folder. A mutant is killed if a test fails, or if the tests take several times as long as
@@ -65,15 +65,15 @@ class Copy:
         self._time = 0.0
         self._record = Record()
 
-    def check(self, room: str) -> None:
-        """Run a room's tests on the source as it is, which also compiles and warms up.
+    def check(self, subpackage: str) -> None:
+        """Run a subpackage's tests on the source as it is, which also compiles and warms up.
 
         Raises:
             SystemExit: If a test fails, or the tests do not import the copy.
         """
         self._record = Record()
         began = time.monotonic()
-        code, output = self._run(room, None)
+        code, output = self._run(subpackage, None)
         self._time = time.monotonic() - began
         noted = self.folder / _NOTED
         if code == _BROKEN or not noted.exists():
@@ -81,14 +81,14 @@ class Copy:
         self._record, imported = pickle.loads(noted.read_bytes())
         noted.unlink()
         if code not in (0, _NO_TESTS):  # noting takes time, which a test may have too little of
-            code, output = self._run(room, Order(self._record, None, "", only=False))
+            code, output = self._run(subpackage, Order(self._record, None, "", only=False))
         if code not in (0, _NO_TESTS):
-            raise SystemExit(f"{room}: the tests fail without a change:\n{output}")
+            raise SystemExit(f"{subpackage}: the tests fail without a change:\n{output}")
         for name in imported:
             with contextlib.suppress(Exception):
                 importlib.import_module(name)
 
-    def killer(self, room: str, mutant: Mutant) -> str | None:
+    def killer(self, subpackage: str, mutant: Mutant) -> str | None:
         """Return the test that fails with a change, or ``timeout``; None if none does."""
         file = self.folder / mutant.path
         source, stat = file.read_bytes(), file.stat()
@@ -99,7 +99,7 @@ class Copy:
             file.write_bytes(mutant.apply(source))
             # Compiled files are told apart by whole seconds and size.
             os.utime(file, (stat.st_atime, stat.st_mtime + 10.0 * self._changes))
-            code, output = self._run(room, order)
+            code, output = self._run(subpackage, order)
             if code in (None, signal.SIGXCPU):
                 return "timeout"
             if code == _BROKEN:
@@ -112,15 +112,15 @@ class Copy:
             file.write_bytes(source)
             os.utime(file, (stat.st_atime, stat.st_mtime))
 
-    def _run(self, room: str, order: Order | None) -> tuple[int | None, str]:
-        """Return exit code and output of a room's tests; no code if they took too long.
+    def _run(self, subpackage: str, order: Order | None) -> tuple[int | None, str]:
+        """Return exit code and output of a subpackage's tests; no code if they took too long.
 
         Without an order, what the tests do is noted.
         """
         output = self.folder / "output.txt"
         child = os.fork()
         if child == 0:
-            self._become_tests(room, order, output)
+            self._become_tests(subpackage, order, output)
         limit = math.inf if order is None else time.monotonic() + 600.0 + _PATIENCE * self._time
         status = None
         try:
@@ -136,7 +136,7 @@ class Copy:
         code = None if status is None else abs(os.waitstatus_to_exitcode(status))
         return code, output.read_text()
 
-    def _become_tests(self, room: str, order: Order | None, output: Path) -> NoReturn:
+    def _become_tests(self, subpackage: str, order: Order | None, output: Path) -> NoReturn:
         """Run the tests in this process and end it."""
         os.setsid()
         os.chdir(self.folder)
@@ -154,7 +154,7 @@ class Copy:
         code = _BROKEN
         try:
             code = int(
-                pytest.main([*command, *first, "-m", self._tests, f"tests/{room}"], [plugin])
+                pytest.main([*command, *first, "-m", self._tests, f"tests/{subpackage}"], [plugin])
             )
             if order is None:
                 import paminsa_viz
@@ -201,11 +201,11 @@ def equivalent() -> tuple[dict[Key, str], list[str]]:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Draw mutants of rooms, run their tests, print a table and, if asked for, write one."""
+    """Draw mutants of subpackages, run their tests, print a table and, if asked for, write one."""
     parser = argparse.ArgumentParser(prog="mutants", description=__doc__)
-    parser.add_argument("rooms", nargs="+", help="folders of paminsa_viz that have tests")
+    parser.add_argument("subpackages", nargs="+", help="folders of paminsa_viz that have tests")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--count", type=int, default=30, help="mutants of each room")
+    parser.add_argument("--count", type=int, default=30, help="mutants of each subpackage")
     parser.add_argument("--first", type=int, default=0, help="number of the first one to run")
     parser.add_argument("--only", type=int, nargs="+", help="numbers of those to run")
     parser.add_argument("--tests", default=_TESTS, help="which tests, as pytest's -m says it")
@@ -217,9 +217,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "what lies in a cache is not called again, so that survivors have to be looked at",
     )  # fmt: skip
     given = parser.parse_args(arguments)
-    for room in given.rooms:
-        if not (ROOT / "paminsa_viz" / room).is_dir() or not (ROOT / "tests" / room).is_dir():
-            parser.error(f"{room}: a folder of paminsa_viz and of tests is needed")
+    for subpackage in given.subpackages:
+        if not all((ROOT / place / subpackage).is_dir() for place in ("paminsa_viz", "tests")):
+            parser.error(f"{subpackage}: a folder of paminsa_viz and of tests is needed")
     counts = Counter[tuple[str, str]]()
     reasons, wrong = equivalent()
     for problem in wrong:
@@ -232,35 +232,36 @@ def main(arguments: Sequence[str] | None = None) -> None:
         copy = None
         if not given.list:
             copy = Copy(Path(folder).resolve(), given.tests, calling=given.calling)
-        for room in given.rooms:
+        for subpackage in given.subpackages:
             if copy is not None:
-                copy.check(room)
-            for number, mutant in enumerate(drawn(ROOT, room, given.seed, given.count)):
+                copy.check(subpackage)
+            for number, mutant in enumerate(drawn(ROOT, subpackage, given.seed, given.count)):
                 if number < given.first or (given.only and number not in given.only):
                     continue
                 place = f"{mutant.path}:{mutant.line}:{mutant.column}"
-                text = f"{room} {number} {place}  {mutant.before}  →  {mutant.after}"
+                text = f"{subpackage} {number} {place}  {mutant.before}  →  {mutant.after}"
                 if copy is None:
                     print(text)
                     continue
                 if mutant.key in reasons:
                     verdict, detail = "equivalent", reasons[mutant.key]
                 else:
-                    killer = copy.killer(room, mutant)
+                    killer = copy.killer(subpackage, mutant)
                     verdict, detail = ("survived", "") if killer is None else ("killed", killer)
-                counts[room, verdict] += 1
+                counts[subpackage, verdict] += 1
                 print(f"{verdict:10} {text}  {detail}", flush=True)
                 if writer is not None and file is not None:
-                    row = (room, given.seed, number, place, mutant.before, mutant.after)
+                    row = (subpackage, given.seed, number, place, mutant.before, mutant.after)
                     writer.writerow((*row, verdict, detail))
                     file.flush()
     if given.list:
         return
-    print(f"\n{'room':16} mutants  killed  equivalent  survived  killed of the others")
-    for room in given.rooms:
-        killed, same, left = (counts[room, k] for k in ("killed", "equivalent", "survived"))
+    print(f"\n{'subpackage':16} mutants  killed  equivalent  survived  killed of the others")
+    for subpackage in given.subpackages:
+        killed, same, left = (counts[subpackage, k] for k in ("killed", "equivalent", "survived"))
         share = 100.0 * killed / max(1, killed + left)
-        print(f"{room:16} {killed + same + left:7} {killed:7} {same:11} {left:9} {share:8.1f} %")
+        drawn_here = killed + same + left
+        print(f"{subpackage:16} {drawn_here:7} {killed:7} {same:11} {left:9} {share:8.1f} %")
 
 
 if __name__ == "__main__":

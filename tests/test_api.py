@@ -131,12 +131,12 @@ def test_importing_the_package_does_not_import_numpy() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-ROOMS = sorted(path.parent for path in (ROOT / "paminsa_viz").glob("*/__init__.py"))
+SUBPACKAGES = sorted(path.parent for path in (ROOT / "paminsa_viz").glob("*/__init__.py"))
 
 
 def test_every_room_lists_its_public_names() -> None:
-    assert len(ROOMS) >= 20
-    assert {f"paminsa_viz.{room.name}" for room in ROOMS} <= set(PACKAGES)
+    assert len(SUBPACKAGES) >= 20
+    assert {f"paminsa_viz.{subpackage.name}" for subpackage in SUBPACKAGES} <= set(PACKAGES)
 
 
 def _late_imports(init: Path) -> dict[str, str]:
@@ -197,8 +197,8 @@ def test_top_level_names_are_those_of_their_modules() -> None:
     assert 10 <= len(paminsa_viz.__all__) <= 16
     for name in paminsa_viz.__all__:
         value = getattr(paminsa_viz, name)
-        room = importlib.import_module(f"paminsa_viz.{LATE['paminsa_viz'][name]}")
-        assert value is getattr(room, name)
+        subpackage = importlib.import_module(f"paminsa_viz.{LATE['paminsa_viz'][name]}")
+        assert value is getattr(subpackage, name)
 
 
 ORDER = ("design", "geometry", "pose", "actuators", "velocity", "acceleration", "torque")

@@ -222,8 +222,8 @@ def _functions() -> dict[str, tuple[Any, dict[str, str]]]:
     """Return all public functions with arguments that have no default, and their annotations."""
     found = {}
     for place, function in CALLABLES.items():
-        room = place.split(".")[1]
-        if inspect.isclass(function) or room in ("cli", "explorer", "progress"):
+        package = place.split(".")[1]
+        if inspect.isclass(function) or package in ("cli", "explorer", "progress"):
             continue
         needed = {
             one.name: str(one.annotation)

@@ -107,8 +107,8 @@ def test_site_is_built_without_warnings_and_its_search_finds_all_public_names(tm
     assert not (tmp_path / "generate.py").exists()
     entries = json.loads((tmp_path / "search" / "search_index.json").read_text())["docs"]
     found = {entry["title"] for entry in entries if entry["location"].startswith("api/")}
-    for room in GENERATOR["API"]:
-        assert set(import_module(room).__all__) <= found, room
+    for package in GENERATOR["API"]:
+        assert set(import_module(package).__all__) <= found, package
 
 
 CODE = [

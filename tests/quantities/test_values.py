@@ -1,4 +1,4 @@
-"""Every quantity against the function of the room that it comes from, at the poses of a grid."""
+"""Every quantity against the function that it comes from, at the poses of a grid."""
 
 from __future__ import annotations
 

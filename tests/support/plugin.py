@@ -1,5 +1,5 @@
 """How property tests draw examples, which tests run side by side, what they cost, and what every
-room can use.
+subpackage's tests can use.
 
 The profile ``suite`` draws the same examples on every run, so that a failure can be repeated and a
 pass means the same everywhere. ``pytest --hypothesis-profile explore`` draws many new ones.
