@@ -38,6 +38,7 @@ from paminsa_viz.files.design_schema import (
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model import drive as drive_model
+from paminsa_viz.model.accuracy import LEG_NAMES, LegDeviations
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.units import unit_text
@@ -110,11 +111,12 @@ def design_file() -> str:
         ),
     ]
     for table, keys in TABLES.items():
-        if table:
-            group = type(getattr(APPENDIX_4, table))
+        if table and table not in LEG_NAMES[1:]:
+            legs = table == LEG_NAMES[0]  # all three have the same keys
+            group = LegDeviations if legs else type(getattr(APPENDIX_4, table))
             choices = [_choice_row(*place) for place in CHOICES if place[0] == table]
             parts += [
-                f"## [{table}]",
+                f"## [{table}] to [{LEG_NAMES[-1]}]" if legs else f"## [{table}]",
                 _paragraphs(inspect.getdoc(group) or ""),
                 _table(
                     ("key", "symbol", "meaning", _default_head(table), "allowed"),
@@ -220,7 +222,8 @@ def command_line() -> str:
         parts += [f"### {_title(shared)}", _table(FLAG_HEAD, own)]
     for name in cli.COMMANDS:
         module = cli.command_module(name)
-        parts += [f"## {name}", f"```text\n{module.DESCRIPTION.strip()}\n```"]
+        text = module.DESCRIPTION.split("\n\nCommands:")[0]  # the list stands above
+        parts += [f"## {name}", f"```text\n{text.strip()}\n```"]
         for word, kind in _kinds(module.FLAGS).items():
             parts += [f"### {name} {word}", f"{inspect.getdoc(kind)}"] if word else []
             rows = list(_flags(kind))

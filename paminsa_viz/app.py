@@ -50,6 +50,8 @@ MOST_PAGES = 1000
 """Largest possible number of open pages."""
 
 
+_NAMES = max(map(len, cli.COMMANDS))
+
 DESCRIPTION = f"""\
 Explore the parallel manipulator PAMINSA: drag the pose, see the robot and its torque maps.
 
@@ -57,7 +59,7 @@ Without a command the explorer starts and opens in the browser. It runs on this 
 --host says otherwise, only this machine can reach it. Stop it with Ctrl-C.
 
 Commands:
-{chr(10).join(f"  {name:<10} {text}" for name, text in cli.COMMANDS.items())}
+{chr(10).join(f"  {name:<{_NAMES}}  {text}" for name, text in cli.COMMANDS.items())}
 
 '{COMMAND} COMMAND --help' explains a command; '{COMMAND} --version' prints the version."""
 

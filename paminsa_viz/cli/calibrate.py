@@ -32,11 +32,11 @@ from paminsa_viz.version import MADE_BY
 DESCRIPTION = """\
 Identify the lengths of each leg from measured poses, and write the corrected design.
 
-  paminsa-viz calibrate log.csv --validate 0.3            30 % of the poses are held back
-  paminsa-viz calibrate log.csv --design robot.toml --out calibrated.toml
   paminsa-viz calibrate --propose 40 --out poses.csv      poses to measure, and their actuators
+  paminsa-viz calibrate measured.csv --validate 0.3       30 % of the poses are held back
+  paminsa-viz calibrate measured.csv --design robot.toml --out calibrated.toml
 
-LOG is a table with x_m,y_m,theta_rad,z_m, if measured tiltx_rad,tilty_rad, and the readings
+POSES.csv is a table with x_m,y_m,theta_rad,z_m, if measured tiltx_rad,tilty_rad, and the readings
 theta1_rad,theta2_rad,theta3_rad,Z_m; other units as x_mm, theta_deg. Poses are those of the
 platform's center in the robot's base frame. Combinations of lengths that the poses show are fitted,
 the rest keeps its value; see docs/calibration.md. The design file gets them as tables [leg1],
@@ -50,7 +50,9 @@ file."""
 class Calibrate(JsonFlags, DesignFlags):
     """Flags of the command."""
 
-    log: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="LOG")] = None
+    measured: Annotated[OrNone[Path], tyro.conf.Positional, tyro.conf.arg(metavar="POSES.csv")] = (
+        None
+    )
     """Table of measured poses and readings, .csv."""
     propose: Annotated[OrNone[int], tyro.conf.arg(metavar="N")] = None
     """Instead of calibrating, choose so many poses to measure, and write them with --out, .csv or
@@ -68,9 +70,11 @@ class Calibrate(JsonFlags, DesignFlags):
 
     def run(self) -> int:
         """Calibrate and report, or propose poses."""
-        if (self.log is None) == (self.propose is None):
-            raise UsageError("either LOG or --propose is needed; see paminsa-viz calibrate --help")
-        check_needs(self, self.log, "LOG", "validate", "all")
+        if (self.measured is None) == (self.propose is None):
+            raise UsageError(
+                "either POSES.csv or --propose is needed; see paminsa-viz calibrate --help"
+            )
+        check_needs(self, self.measured, "POSES.csv", "validate", "all")
         if self.propose is not None:
             return self._propose(self.propose)
         check_needs(self, self.validate, "--validate or --propose", "seed")
@@ -80,24 +84,24 @@ class Calibrate(JsonFlags, DesignFlags):
         if self.seed < 0:
             raise UsageError(f"--seed {self.seed}: a whole number of at least 0 is needed")
         design = self.given_design()
-        assert self.log is not None
-        table = read_measurements(self.log)
+        assert self.measured is not None
+        table = read_measurements(self.measured)
         try:
             found = calibrate(design, table.measurements, validate=self.validate, seed=self.seed)
         except InvalidMeasurement as error:
             row = table.first_row + error.index
-            raise TableFileError(str(self.log), error.problem, row=row) from error
+            raise TableFileError(str(self.measured), error.problem, row=row) from error
         except InvalidInput as error:
             if error.argument == "measured":  # too few poses
-                raise TableFileError(str(self.log), error.problem) from error
+                raise TableFileError(str(self.measured), error.problem) from error
             raise
         written = []
         if self.out is not None and found.improved:
-            comment = f"Calibrated by {MADE_BY} with {self.log.name}."
+            comment = f"Calibrated by {MADE_BY} with {self.measured.name}."
             requirements = self.given_requirements()
             written = [save_changed(found.design, self.out, requirements, comment=comment)]
         if self.json:
-            print_json(calibration_data(found, str(self.log)) | {"files": written})
+            print_json(calibration_data(found, str(self.measured)) | {"files": written})
         else:
             print_heading(found.start)
             print_blocks(calibration_blocks(found, None if self.all else MOST_COMBINATIONS))

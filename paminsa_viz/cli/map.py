@@ -91,8 +91,8 @@ class Map(FilesFlags, ComparedDesignFlags):
     singularity torques grow without bound."""
 
     range: Annotated[OrNone[tuple[float, float]], tyro.conf.arg(metavar="LOW HIGH")] = None
-    """Ends of the colors, in the unit of the color bar; by default the ordinary values are seen
-    best, and what explodes next to a singularity lies beyond."""
+    """Ends of the colors, in the unit of the color bar; by default those of the ordinary values,
+    so that those that grow without bound next to a singularity lie beyond."""
     full_range: bool = False
     """Let the colors span every value."""
     log: bool = False

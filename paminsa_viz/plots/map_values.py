@@ -108,7 +108,7 @@ class MapData:
             smooth boundary; without it the boundary follows the cells.
         leg: (ny, nx) int8 index of the leg that limits the reach, -1 for none, or None.
         missing: Where and why poses that can be taken have no value, or None.
-        bounded: Whether colors span all values: none of them explodes near a singularity.
+        bounded: Whether colors span all values: none grows without bound near a singularity.
         outside: Which cells are outside a volume of poses, which are hatched, or None.
         own_legs: Whether values follow the deviations of the design's single legs; otherwise its
             legs are taken as equal.

@@ -98,7 +98,7 @@ def per_panel(data: MapData, scale: Scale | Sequence[Scale]) -> tuple[Scale, ...
 
 
 def robust_range(values: ArrayLike, signed: bool) -> tuple[float, float]:
-    """Return a round range that shows the ordinary values and lets explosions run over its ends.
+    """Return a round range of the ordinary values, whatever grows without bound beyond its ends.
 
     Near a singularity torques grow like one over the distance, so no percentile near 100 is safe:
     a quarter of a map can lie above ten times its median. The range is therefore tied to the

@@ -93,8 +93,8 @@ def test_no_gain_is_exit_code_1_and_writes_nothing(measured: Measurements, capsy
 @pytest.mark.parametrize(
     ("words", "place"),
     [
-        ((), "either LOG or --propose"),
-        (("log.csv", "--propose", "3"), "either LOG or --propose"),
+        ((), "either POSES.csv or --propose"),
+        (("log.csv", "--propose", "3"), "either POSES.csv or --propose"),
         (("none.csv",), "none.csv"),
         (("log.csv", "--validate", "1"), "--validate 1: a share from 0 to 0.9"),
         (("log.csv", "--validate", "0.9"), "log.csv: at least 8 poses are needed besides the 27"),

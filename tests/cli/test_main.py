@@ -54,9 +54,10 @@ def test_help_goes_to_the_screen_and_starts_nothing(started, capsys, words) -> N
     assert printed.err == ""
     assert not started
     if len(words) == 1:
-        for name, text in COMMANDS.items():
-            assert f"  {name} " in printed.out
-            assert text in printed.out
+        rows = dict(re.findall(r"(?m)^  (\w+)( +.*)$", printed.out))
+        assert {name: row.strip() for name, row in rows.items()} == COMMANDS
+        columns = {len(name) + len(row) - len(row.strip()) for name, row in rows.items()}
+        assert len(columns) == 1
 
 
 @pytest.mark.slow

@@ -112,9 +112,9 @@ def range_entries(
             options={
                 "robust": RangeMode.AUTO, "full": RangeMode.FULL, "held": RangeMode.MANUAL
             },
-            hint="robust: shows the ordinary values, what explodes near a singularity is darker; "
-            "and of both designs where a reference is pinned; full: from the smallest to the "
-            "largest value; held: stays as it is, whatever is changed, and its ends can be typed",
+            hint="robust: the ordinary values, of the reference too where there is one; what grows "
+            "without bound near a singularity is darker; full: from the smallest to the largest "
+            "value; held: stays as it is, whatever is changed, and its ends can be typed",
             read=mode, apply=choose_mode,
         ),
         Pair(
