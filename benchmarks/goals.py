@@ -140,6 +140,7 @@ def text(rows: list[Row], note: str) -> str:
 Made by `python -m benchmarks.goals`; the figures are those of one run.
 
 {made}, {os.cpu_count()} cores. The browser is headless, {SIZE[0]}×{SIZE[1]}, and draws in software.
+A bare page is one of viser with a slider and a box; below zero the explorer was quicker than it.
 {note}
 
 | what | goal | measured | met |

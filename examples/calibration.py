@@ -12,7 +12,7 @@ from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.precision import calibrate, plan_calibration, simulated_measurements
 
 # The nominal robot's actuators for 60 poses; where a robot with lengths up to 0.5 mm off, and
-# angles up to 0.5 mrad, really is then, measured within 10 um.
+# angles up to 0.5 mrad, really is then, measured within 10 µm.
 asked = plan_calibration(APPENDIX_4, 60).measurements
 measured = simulated_measurements(APPENDIX_4, asked, size=5e-4, noise=1e-5, seed=5)
 Path("measured.csv").write_bytes(table_bytes(measurement_table(measured), "csv"))
@@ -25,6 +25,6 @@ for name, before, after in (
 ):
     for axis, index in (("x", 0), ("z", 3)):
         print(
-            f"{name:>9}, RMS of {axis}: {1e6 * before.rms[index]:6.1f} um before, "
-            f"{1e6 * after.rms[index]:4.1f} um after"
+            f"{name:>9}, RMS of {axis}: {1e6 * before.rms[index]:6.1f} µm before, "
+            f"{1e6 * after.rms[index]:4.1f} µm after"
         )

@@ -1,6 +1,6 @@
 """Motions through type-2 singularities, where a usual law needs torques without bound.
 
-A turn through theta = 73.4 deg, where every position is singular, and a line through the singular
+A turn through theta = 73.4°, where every position is singular, and a line through the singular
 circle. The time law meets t_s^T F = 0 at the crossing; balanced, the robot can go as slowly as it
 likes, and it can be held on the far side of the circle.
 """
@@ -38,4 +38,4 @@ for name, path in paths.items():
         print(f"{name}, {robot}: {found.plan.duration:.3f} s, through at {crossing.t:.3f} s")
         print(f"  peak {peak:.2f} N·m; the quintic law at 1 kHz: {naive:.0f} N·m")
         print(f"  limit torques {np.round(crossing.torque[:3], 3)} N·m")
-        print(f"  drift by 0.1 kg: {1e6 * np.hypot(*drift[:2]):.2f} um, {1e6 * drift[2]:.2f} urad")
+        print(f"  drift by 0.1 kg: {1e6 * np.hypot(*drift[:2]):.2f} µm, {1e6 * drift[2]:.2f} µrad")

@@ -15,10 +15,10 @@ from paminsa_viz.model import (
 )
 
 geometry = APPENDIX_4.geometry
-print(f"every position is singular at theta = {np.degrees(singular_rotation(geometry)):.2f} deg")
+print(f"every position is singular at θ = {np.degrees(singular_rotation(geometry)):.2f}°")
 for degrees in (0, 30, 60):
     radius = float(singular_radius(geometry, np.radians(degrees)))
-    print(f"at theta = {degrees:2d} deg the singular circle has a radius of {1e3 * radius:.1f} mm")
+    print(f"at θ = {degrees:2d}° the singular circle has a radius of {1e3 * radius:.1f} mm")
 
 circle = float(singular_radius(geometry, np.radians(30)))
 distance = np.array([0.1, 0.03, 0.01, 0.003, 0.001])  # inside the circle [m]

@@ -28,7 +28,7 @@ WRITTEN = {
 PRINTED = {
     "accuracy": r"linear +6912\.9″, no bound: (.|\n)*bars and shafts to 20 µm: z off by 811 µm",
     "balance": r"M_p2 =  ? ?0\.0000 N, torques \[0\. 0\. 0\.\]",
-    "calibration": r"30 combinations show (.|\n)*held back, RMS of z: .* 9\.2 um after",
+    "calibration": r"30 combinations show (.|\n)*held back, RMS of z: .* 9\.2 µm after",
     "crossing": r"turn, Appendix 4: 0\.372 s, (.|\n)*cannot be held",
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
@@ -36,7 +36,7 @@ PRINTED = {
     "misprints": r"all of them +0\.\d+",
     "payload_in_motion": r"at rest M1..M3 change by at most 0 N·m,\nM4 by k m g = 147\.15 N",
     "record_logs": r"seed 0: log det \d+, [1-9]\d above random motions",
-    "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",
+    "singularities": r"θ = 73\.40°\n.*\n.* 268\.1 mm",
     "springs": r"zero free length, mast on slider 8 +largest torque 0\.000 N·m with 91\.0 N/m",
     "static_maps": r"M_p2 = 9\.100 N",
     "verify_with_mujoco": r"corrected: .* \d\.\de-1[3-9]",
