@@ -73,14 +73,14 @@ STEPS: Final = (
     ),
     _step(
         "Built: does the real one agree?",
-        "Open a log of the built robot to identify its masses and friction, or find the best "
-        "motion to record one with.",
+        "Identify masses and friction from a log of the built robot, find the best motion to "
+        "record one with, and calibrate the lengths from measured poses.",
         tab="Built",
     ),
     _step(
         "Examples and files",
-        "Five example robots are a click away, next to design files and share codes. This tour can "
-        "be started again there. Ctrl+K finds everything else.",
+        "Five example robots are a click away, next to design files, share codes and a page in one "
+        "file, which needs no server. The tour can be started again there. Ctrl+K finds all else.",
         heading="File",
     ),
 )  # fmt: skip
