@@ -126,7 +126,8 @@ class JointMotion:
     Attributes:
         configuration: The configuration it starts from.
         actuators_velocity, actuators_acceleration: (..., 4) [rad/s, m/s], [rad/s^2, m/s^2].
-        psi_rate, phi_rate, psi_acceleration, phi_acceleration: (..., 3) [rad/s], [rad/s^2].
+        psi_rate, phi_rate: (..., 3) [rad/s].
+        psi_acceleration, phi_acceleration: (..., 3) [rad/s^2].
         velocity, acceleration: By the paper's joint number, (..., 3 legs, 3) [m/s], [m/s^2].
     """
 

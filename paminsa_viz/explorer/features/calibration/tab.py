@@ -84,7 +84,7 @@ PROPOSED: tuple[Entry, ...] = (
             ButtonGroup(
                 "calibrate.poses_file", "Poses",
                 choices={"Download CSV": export("the poses to measure", files.poses_csv)},
-                hint="The table that is opened again with what was measured",
+                hint="Fill in what is measured, and open the table again",
             ),
             Html("calibrate.plan_lengths", content=text.plan_html, idle=True),
             Folder(
