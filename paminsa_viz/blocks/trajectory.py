@@ -188,7 +188,7 @@ PAYLOAD_ERROR = 0.1
 def passages_blocks(design: Design, plan: TimeOptimalPlan) -> list[Table | Note]:
     """Return how fast a planned motion passes singularities, and what is not certain there."""
     low, high = (
-        format_value(rounded_to_side(end, 3, up=up), "s", 3)
+        format_value(rounded_to_side(end, 4, up=up), "s", 4)  # as where another one is refused
         for end, up in zip(plan.durations, (True, False), strict=True)
     )
     passed = [

@@ -259,7 +259,7 @@ def test_passages_of_a_plan_have_their_speeds_and_drifts(monkeypatch: pytest.Mon
     assert isinstance(found[1], Table)
     assert "Generalized force along t_s" in found[1].head  # which is in N·m
     assert said(found) == [
-        ("Within the limits 0.373 s to 10.9 s are possible.", "plain"),
+        ("Within the limits 0.3724 s to 10.98 s are possible.", "plain"),
         ("circle: 0.1 kg more payload lets the platform drift by 5 µm and 2.1″ in 12 ms.", "warn"),
         (
             "circle: 0.1 kg more payload lets the platform drift by less than 0.01 µm and less "
