@@ -165,10 +165,12 @@ def test_commands_over_two_lines_can_be_pasted_into_a_shell() -> None:
         assert not cut, f"{name_of(page)} needs a backslash behind {cut and cut[0]}"
 
 
-def test_changelog_begins_with_this_version() -> None:
+def test_changelog_begins_with_this_version_and_readme_cites_it() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     heads = re.findall(r"^## \[([^\]]+)\]", text, re.M)
     assert paminsa_viz.__version__ in heads[:2]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"  version = {{{paminsa_viz.__version__}}}," in readme
 
 
 def test_files_that_pages_name_exist() -> None:
