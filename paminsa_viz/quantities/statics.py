@@ -34,7 +34,7 @@ def _torque(actuator: int) -> Quantity:
     below = "₁₂₃"[actuator]
     return Quantity(
         f"tau_{actuator + 1}", f"τ{below}", f"τ{below} of M{actuator + 1}",
-        f"Static torque of actuator {actuator + 1}", "N m", UNIT_TORQUES,
+        f"Static torque of M{actuator + 1}", "N m", UNIT_TORQUES,
         lambda field, design: _static(field, design, actuator),
         signed=True, color=LEG_COLORS[actuator],
     )  # fmt: skip
@@ -44,7 +44,7 @@ STATICS = in_family(
     "static torques",
     *(_torque(actuator) for actuator in range(3)),
     Quantity(
-        "f_4", "F₄", "F₄ of M4", "Static force of actuator 4", "N", UNIT_TORQUES,
+        "f_4", "F₄", "F₄ of M4", "Static force of M4", "N", UNIT_TORQUES,
         lambda field, design: field.torques(design)[3],
         color=LIFT_COLOR,
     ),

@@ -167,7 +167,7 @@ def test_shadow_prices_are_what_finite_differences_say(springs):
     for name, field, size in (
         ("force of M4 on the motions", "motion_force", 240.0),
         ("Largest static torque of M1 to M3", "max_torque", 1.0),
-        ("Static force of actuator 4", "f_4", 225.0),
+        ("Static force of M4", "f_4", 225.0),
     ):
         values = []
         for change in (-step, step):
@@ -211,7 +211,7 @@ def test_a_bound_counts_at_its_own_headings_and_heights():
 
 def test_what_cannot_be_met_says_by_how_much():
     tight = replace(case(), bounds=(Requirement("f_4", high=100.0),))
-    with pytest.raises(InnerInfeasible, match="Static force of actuator 4") as caught:
+    with pytest.raises(InnerInfeasible, match="Static force of M4") as caught:
         solve_inner(APPENDIX_4, tight, poses())
     assert 0.1 < caught.value.excess < 2.0
     # the least relaxation of all limits together that the excess promises is one
