@@ -56,7 +56,7 @@ Required torques, speeds, power and energy of every actuator on a motion.
   paminsa-viz trajectory --file motion.csv --out loads.csv   every sample as a table
   paminsa-viz trajectory --preset arch --shortest --max-speed 1 --max-torque 4
   paminsa-viz trajectory --preset line --out line.html       the robot moves, in any browser
-  paminsa-viz trajectory --file poses.csv --waypoints --cross --max-torque 10
+  paminsa-viz trajectory --file waypoints.csv --waypoints --cross --max-torque 10
   paminsa-viz trajectory --simulate computed-torque --payload-mismatch 0.5 --out run.png
   paminsa-viz trajectory --file motion.csv --simulate pd --log log.csv    a log for identify
 
