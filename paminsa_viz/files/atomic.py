@@ -145,10 +145,8 @@ def make_folder(path: Path) -> None:
     Raises:
         FileError: If it cannot be made.
     """
-    try:
+    with file_errors(path, "written"):
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise as_file_error(str(path), error, "written") from error
 
 
 def write_files(contents: Mapping[Path, str | bytes]) -> None:

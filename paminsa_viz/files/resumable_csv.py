@@ -11,7 +11,6 @@ import os
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
-from types import TracebackType
 from typing import BinaryIO
 
 from paminsa_viz.errors import TableFileError, printable
@@ -80,12 +79,7 @@ class ResumableCsv:
     def __enter__(self) -> ResumableCsv:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors, own_vectors
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.trajectory.sampled import LARGEST, Passage, Trajectory
 
@@ -55,7 +55,7 @@ def from_samples(
     if acceleration is not None and velocity is None:
         raise InvalidInput("acceleration", "it can be given only together with the velocity")
     times = np.array(as_numbers(t, "t"))
-    poses = np.array(as_vectors(pose, "pose"))
+    poses = own_vectors(pose, "pose")
     zero = np.zeros((times.size, 4))
     wrench = None if load is None else as_vectors(load, "load", 6)
     # Checks shapes and values, before anything is made of them.

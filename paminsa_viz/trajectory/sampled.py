@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, own_vectors
 from paminsa_viz.trajectory.plant import hermite
 from paminsa_viz.units import rounded_to_side
 
@@ -142,7 +142,7 @@ class Trajectory:
         _check_times(t)
         found = {"t": t}
         for name in States._fields:
-            array = np.array(as_vectors(getattr(self, name), name))
+            array = own_vectors(getattr(self, name), name)
             if array.shape != (t.size, 4):
                 raise InvalidInput(name, f"the shape has to be {(t.size, 4)}, not {array.shape}")
             if not np.isfinite(array).all():
@@ -151,7 +151,7 @@ class Trajectory:
                 raise InvalidInput(name, f"numbers up to {LARGEST:g} are possible; check the unit")
             found[name] = array
         if self.load is not None:
-            found["load"] = load = np.array(as_vectors(self.load, "load", 6))
+            found["load"] = load = own_vectors(self.load, "load", 6)
             if load.shape != (t.size, 6) or not np.isfinite(load).all():
                 problem = f"finite numbers of shape {(t.size, 6)} are needed"
                 raise InvalidInput("load", problem)

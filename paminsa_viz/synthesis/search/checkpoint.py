@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 from dataclasses import asdict, replace
-from types import TracebackType
 from typing import Any
 
 import msgspec
@@ -78,12 +77,7 @@ class Checkpoint:
     def __enter__(self) -> Checkpoint:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
