@@ -431,14 +431,12 @@ def filled(text: str, indent: int, at: str = " ", width: int = 100) -> list[str]
     return [*lines, line]
 
 
-def commented(doc: str, indent: int = 0) -> list[str]:
+def commented(doc: str) -> list[str]:
     """Return a docstring as a comment; names in single backticks are for `Printer.text`."""
-    lead = " " * indent
     lines = [line.replace("``", "").rstrip() for line in doc.split("\n")]
     if len(lines) == 1:
-        return [f"{lead}/* {lines[0]} */"]
-    rest = [f"{lead} * {line}".rstrip() for line in lines[1:]]
-    return [f"{lead}/* {lines[0]}", *rest, f"{lead} */"]
+        return [f"/* {lines[0]} */"]
+    return [f"/* {lines[0]}", *(f" * {line}".rstrip() for line in lines[1:]), " */"]
 
 
 def joined(lines: Iterable[str]) -> str:

@@ -106,9 +106,9 @@ def reduced_robot(matrices: LegMatrices, pose: Array) -> ReducedRobot:
     return ReducedRobot(stiffness, mass, bent @ force, bent @ m_in @ bend, ends)
 
 
-def guyan_modes(robot: ReducedRobot, count: int = SHARED) -> Modes:
-    """Return modes of the statically condensed robot; shapes (n, 7, count)."""
-    return natural_modes(robot.stiffness, robot.mass, count)
+def guyan_modes(robot: ReducedRobot) -> Modes:
+    """Return all modes of the statically condensed robot; shapes (n, 7, 7)."""
+    return natural_modes(robot.stiffness, robot.mass, SHARED)
 
 
 @np.errstate(all="ignore")

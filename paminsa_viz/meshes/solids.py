@@ -92,37 +92,33 @@ def _made_once(kind: str, numbers: Array, make: Callable[[], trimesh.Trimesh]) -
     return made[key]
 
 
-def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
+def loft(loops: Sequence[Array]) -> trimesh.Trimesh:
     """Skin a row of loops, each (N, 3), counter-clockwise seen from the far end of the row.
 
-    Args:
-        loops: The loops in order.
-        closed: Join the last loop to the first instead of capping both ends. Caps are fans from
-            the middle of the end loop, so an end loop has to be star-shaped about its middle.
+    Both ends are capped with fans from the middle of the end loop, so an end loop has to be
+    star-shaped about its middle.
     """
     stack = np.asarray(loops, dtype=np.float64)
-    kind = f"loft {stack.shape} {closed}"
-    return _made_once(kind, stack, lambda: _skin(stack, closed))
+    return _made_once(f"loft {stack.shape}", stack, lambda: _skin(stack))
 
 
-def _skin(stack: Array, closed: bool) -> trimesh.Trimesh:
+def _skin(stack: Array) -> trimesh.Trimesh:
     """Return the skin of a `loft` over loops (rows, N, 3)."""
     rows, count = stack.shape[:2]
     vertices = stack.reshape(-1, 3)
     i = np.arange(count)
     j = (i + 1) % count
     faces = []
-    for row in range(rows if closed else rows - 1):
-        low, high = row * count, ((row + 1) % rows) * count
+    for low in range(0, (rows - 1) * count, count):
+        high = low + count
         faces.append(np.stack([low + i, low + j, high + j], axis=1))
         faces.append(np.stack([low + i, high + j, high + i], axis=1))
-    if not closed:
-        middle = np.stack([stack[0].mean(axis=0), stack[-1].mean(axis=0)])
-        first, last = len(vertices), len(vertices) + 1
-        vertices = np.vstack([vertices, middle])
-        end = (rows - 1) * count
-        faces.append(np.stack([np.full(count, first), j, i], axis=1))
-        faces.append(np.stack([np.full(count, last), end + i, end + j], axis=1))
+    middle = np.stack([stack[0].mean(axis=0), stack[-1].mean(axis=0)])
+    first, last = len(vertices), len(vertices) + 1
+    vertices = np.vstack([vertices, middle])
+    end = (rows - 1) * count
+    faces.append(np.stack([np.full(count, first), j, i], axis=1))
+    faces.append(np.stack([np.full(count, last), end + i, end + j], axis=1))
     return trimesh.Trimesh(vertices, np.vstack(faces))
 
 

@@ -34,7 +34,6 @@ from paminsa_viz.synthesis.masses.space import (
     sampled_solution,
 )
 from paminsa_viz.synthesis.volume.conflict import irreducible_set
-from paminsa_viz.trajectory.solved import SolvedTrajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,13 +151,7 @@ class InnerProgram:
         return tuple(sorted(bounds, key=lambda item: -item.price))
 
 
-def inner_program(
-    design: Design,
-    case: InnerCase,
-    pose: Array,
-    *,
-    solved: Sequence[SolvedTrajectory] | None = None,
-) -> InnerProgram:
+def inner_program(design: Design, case: InnerCase, pose: Array) -> InnerProgram:
     """Return the program of a case for a robot's lengths.
 
     Args:
@@ -166,17 +159,15 @@ def inner_program(
         case: The case.
         pose: (n, 4) poses at which bounds at rest count, those of each bound within its own
             headings and heights [m, m, rad, m].
-        solved: The motions solved for the lengths; by default `space.sampled_solution`.
 
     Raises:
         InnerInfeasible: If a pose or a motion is out of reach.
         InvalidInput: If a mass is not one of the design's.
     """
     space = inner_space(design, case.changes(design), case.springs)
-    if solved is None:
-        solved = [sampled_solution(design.geometry, t, design.gravity) for t in case.motions]
     motions: list[MotionRows] = []
-    for motion in solved:
+    for trajectory in case.motions:
+        motion = sampled_solution(design.geometry, trajectory, design.gravity)
         if motion.check.first is not None:
             raise InnerInfeasible(np.inf, f"the motion fails {motion.check.first.explanation}")
         motions.append((motion, *motion_rows(space, motion)))
