@@ -18,7 +18,7 @@ from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json
 from paminsa_viz.model.design import PARAMETER, Design
-from paminsa_viz.model.reach import home_pose, require_reachable
+from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.precision.drive_errors import drive_errors
 from paminsa_viz.precision.error_rows import region_errors
 from paminsa_viz.precision.manufacture import (
@@ -77,7 +77,7 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         """Compute the errors and report."""
         design = self._design()
         geometry = design.geometry
-        pose = self.given_pose or home_pose(geometry)
+        pose = self.given_pose(geometry)
         require_reachable(geometry, pose)
         region = self.given_region(design)
         here = drive_errors(geometry, design.accuracy, pose)

@@ -20,7 +20,7 @@ from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_range
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_left_out
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.reach import home_pose, require_reachable
+from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.units import MM, format_pose
 
 DESCRIPTION = """\
@@ -67,7 +67,7 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
         """Compute the clearances and report."""
         self._check()
         design = self.given_design()
-        pose = self.given_pose or home_pose(design.geometry)
+        pose = self.given_pose(design.geometry)
         require_reachable(design.geometry, pose)
         required = self.least / MM
         groups = by_group(design, np.array(pose))

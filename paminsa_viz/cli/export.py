@@ -19,7 +19,7 @@ from paminsa_viz.files.atomic import check_folder, check_writable, write_files
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
-from paminsa_viz.model.reach import home_pose, require_reachable
+from paminsa_viz.model.reach import require_reachable
 
 DESCRIPTION = """\
 Write the robot at a pose for other programs.
@@ -70,7 +70,7 @@ class Export(PoseFlags, DesignFlags):
         if self.meshes is not None and self.meshes.suffix.lower() != ".zip":
             check_folder(self.meshes)
         design = self.given_design()
-        pose = np.array(self.given_pose or home_pose(design.geometry))
+        pose = np.array(self.given_pose(design.geometry))
         require_reachable(design.geometry, pose)
         # All of it is made before the first file is written, so that a refused pose leaves none.
         files = {

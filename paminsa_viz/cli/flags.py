@@ -15,8 +15,9 @@ from paminsa_viz.files.atomic import check_writable
 from paminsa_viz.files.design_file import load_content, load_design
 from paminsa_viz.files.tables import table_endings
 from paminsa_viz.model.arrays import Pose
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.load import WRENCH, LoadFrame
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.units import MM
 
@@ -136,10 +137,9 @@ class PoseFlags:
     pose: Annotated[OrNone[Pose], tyro.conf.arg(metavar="X Y THETA Z")] = None
     """Pose [mm, mm, °, mm]; in the middle of the workspace if left out."""
 
-    @property
-    def given_pose(self) -> Pose | None:
-        """The pose [m, m, rad, m]."""
-        return self.pose and pose_si(self.pose)
+    def given_pose(self, geometry: Geometry) -> Pose:
+        """Return the pose, or a robot's home pose [m, m, rad, m]."""
+        return home_pose(geometry) if self.pose is None else pose_si(self.pose)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,7 +31,7 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.reach import home_pose, require_reachable, status_words
+from paminsa_viz.model.reach import require_reachable, status_words
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
 from paminsa_viz.units import format_pose, number
 
@@ -93,7 +93,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             save_table(table, path)
 
     def _pose(self, design: Design) -> int:
-        pose = np.array(self.given_pose or home_pose(design.geometry))
+        pose = np.array(self.given_pose(design.geometry))
         require_reachable(design.geometry, pose)
         forces = joint_forces(design, pose)
         if not forces.ok:

@@ -15,7 +15,6 @@ from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.measurements import read_measurements
-from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import MotionLimits, spline_path, time_optimal
 
 DESCRIPTION = """\
@@ -63,7 +62,7 @@ class Report(MotionFlags, PoseFlags, ComparedDesignFlags):
         if self.max_torque is not None and not self.cross:
             raise UsageError("--max-torque belongs to --cross")
         design = self.given_design()
-        pose = self.given_pose or home_pose(design.geometry)
+        pose = self.given_pose(design.geometry)
         trajectory = self.given_motion(design.geometry)
         if self.cross:
             limits = MotionLimits(torque=self.max_torque)

@@ -22,7 +22,7 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
 )
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.reach import home_pose, require_reachable
+from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.units import format_pose
 
 DESCRIPTION = """\
@@ -62,7 +62,7 @@ class Stiffness(JsonFlags, PoseFlags, DesignFlags):
             if self.pose is not None:
                 raise UsageError("--sections excludes --pose: the tubes are the same everywhere")
             return self._print_sections(design)
-        pose = np.array(self.given_pose or home_pose(design.geometry))
+        pose = np.array(self.given_pose(design.geometry))
         require_reachable(design.geometry, pose)
         found = platform_stiffness(design, pose, shear=self.shear)
         if reason := found.reason():

@@ -52,7 +52,7 @@ def dxf_text(design: Design, *, pose: Sequence[float] | None = None) -> str:
         InvalidDesign: If a bar's inertias belong to no rigid body.
         UnreachablePose: If the robot cannot be in the pose.
     """
-    at = start_pose(design) if pose is None else np.asarray(pose, float)
+    at = start_pose(design, pose)
     views = _views(build_mechanism(design), start_values(design, at))
     radius = 0.012 * (design.geometry.crank_length + design.geometry.coupler_length)
     left, right = _extent(views[0])

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 
-import numpy as np
-
 from paminsa_viz.engines.mechanism import PLATFORM, MechanismTree, build_mechanism
 from paminsa_viz.engines.missing import EngineMissing
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
@@ -93,7 +91,7 @@ def exported_usd(
 
 def _held_pose(design: Design, pose: Sequence[float] | None) -> Array:
     """Return the start pose (4,), in which actuators can hold the robot."""
-    start = start_pose(design) if pose is None else np.asarray(pose, float)
+    start = start_pose(design, pose)
     require_reachable(design.geometry, start)
     if not measure_singularity(design.geometry, start).condition < WORST_CONDITION:
         raise InvalidInput("pose", "it is singular, so that nothing holds the platform there")

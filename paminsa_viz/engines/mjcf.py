@@ -104,7 +104,7 @@ def mjcf_text(
         InvalidDesign: If a bar's inertias belong to no rigid body.
         UnreachablePose: If the robot cannot be in the start pose.
     """
-    start = start_pose(design) if pose is None else np.asarray(pose, float)
+    start = start_pose(design, pose)
     mechanism = build_mechanism(design)
     values = start_values(design, start)
     root = ET.Element("mujoco", model="PAMINSA")

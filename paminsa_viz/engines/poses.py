@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -128,22 +128,25 @@ def world_frames(
     return found
 
 
-def start_pose(design: Design) -> Array:
-    """Return the pose (4,) in which an exported model starts: centered, on home's side.
+def start_pose(design: Design, pose: Sequence[float] | None = None) -> Array:
+    """Return the pose (4,) in which an exported model starts: as given, or centered on home's side.
 
-    Halfway between the least and the greatest distance that its pantographs allow.
+    Then it is halfway between the least and the greatest distance that its pantographs allow.
 
     Raises:
-        UnreachablePose: If the design has no regular configuration at the center.
+        UnreachablePose: If none is given, and the design has no regular configuration at the
+            center.
     """
+    if pose is not None:
+        return np.asarray(pose, float)
     g = design.geometry
     least = max(g.home_span, abs(g.coupler_length - g.crank_length))
     distance = 0.5 * (least + g.coupler_length + g.crank_length)
     height = -g.knee.sign * math.sqrt(distance**2 - g.home_span**2) - g.platform_joint_height
-    pose = np.array([0.0, 0.0, 0.0, height])
-    if not np.isfinite(inverse_kinematics(g, pose).phi).all():
-        raise unclosed(pose)
-    return pose
+    centered = np.array([0.0, 0.0, 0.0, height])
+    if not np.isfinite(inverse_kinematics(g, centered).phi).all():
+        raise unclosed(centered)
+    return centered
 
 
 def unclosed(pose: Array) -> UnreachablePose:

@@ -70,7 +70,7 @@ def usd_text(
         InvalidInput: If a link has no mass or no inertia.
         UnreachablePose: If the robot cannot be in the start pose.
     """
-    start = start_pose(design) if pose is None else np.asarray(pose, float)
+    start = start_pose(design, pose)
     mechanism = build_mechanism(design)
     values = start_values(design, start)
     bodies, frames = rigid_bodies(mechanism), world_frames(mechanism, values)
