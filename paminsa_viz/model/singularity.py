@@ -51,6 +51,18 @@ def singular_rotation(geometry: Geometry) -> float:
     return float(np.arccos(ratio)) if ratio <= 1 else float("nan")
 
 
+def type2_distances(geometry: Geometry, pose: Array) -> tuple[Array, Array]:
+    """Return signed distances of poses (..., 4) to both type-2 loci, (...) each [m].
+
+    To the circle of singular positions, positive inside, and to the singular turn as the path of
+    the joints 5, positive below it; the second is NaN where R_pl > R_b.
+    """
+    x, y, theta, _ = np.moveaxis(pose, -1, 0)
+    circle = singular_radius(geometry, theta) - np.hypot(x, y)
+    turn = geometry.platform_radius * (singular_rotation(geometry) - np.abs(wrap(theta)))
+    return circle, turn
+
+
 @of_geometry
 def escape_twist(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return t_s, the platform's motion that no actuator feels at a type-2 singular pose, (..., 4).
@@ -67,11 +79,10 @@ def escape_twist(geometry: Geometry, pose: ArrayLike) -> Array:
         (x', y', theta', z') [m/rad, m/rad, 1, m/rad], with theta' = 1. NaN farther than
         `NEAR_LOCUS` from both loci; a turn counts as the path of the joints 5.
     """
-    x, y, theta, _ = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
+    pose = as_vectors(pose, "pose")
     with np.errstate(invalid="ignore"):
-        radius = singular_radius(geometry, theta)
-        turn = geometry.platform_radius * (singular_rotation(geometry) - np.abs(wrap(theta)))
-        near = (np.abs(radius - np.hypot(x, y)) <= NEAR_LOCUS) | (np.abs(turn) <= NEAR_LOCUS)
+        circle, turn = type2_distances(geometry, pose)
+        near = (np.abs(circle) <= NEAR_LOCUS) | (np.abs(turn) <= NEAR_LOCUS)
     return np.where(near[..., None], twist_field(geometry, pose), np.nan)
 
 

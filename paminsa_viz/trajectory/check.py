@@ -19,10 +19,9 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import MARGINS, Limit, OfLimits, check_reach, status_words
 from paminsa_viz.model.resizing import radius_ratio
-from paminsa_viz.model.singularity import singular_radius, singular_rotation
+from paminsa_viz.model.singularity import type2_distances
 from paminsa_viz.trajectory.sampled import Passage, Trajectory
 
 SINGULAR_CLEARANCE = 0.005
@@ -183,12 +182,10 @@ def _singular_distances(geometry: Geometry, pose: Array) -> Array:
 
     Each of them changes sign where its factor of the determinant does.
     """
-    position = singular_radius(geometry, pose[:, 2]) - np.hypot(pose[:, 0], pose[:, 1])
-    angle = singular_rotation(geometry)
-    turn = geometry.platform_radius * (angle - np.abs(wrap(pose[:, 2])))
-    if not np.isfinite(angle):  # R_pl > R_b: no turn is singular everywhere
+    circle, turn = type2_distances(geometry, pose)
+    if geometry.platform_radius > geometry.base_radius:  # no turn is singular everywhere
         turn = np.full(len(pose), _FAR)
-    return np.stack([position, turn], axis=1)
+    return np.stack([circle, turn], axis=1)
 
 
 def limit_margins(geometry: Geometry, pose: Array, side: Array, clearance: float | Array) -> Array:

@@ -24,12 +24,11 @@ from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobians import inverse_jacobian
-from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
 from paminsa_viz.model.regressor import torque_regressor
-from paminsa_viz.model.singularity import singular_radius, singular_rotation
+from paminsa_viz.model.singularity import type2_distances
 from paminsa_viz.model.statics import load_torques, unit_torques
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.trajectory.check import PathCheck, PathEvent
@@ -140,8 +139,7 @@ def sampled_solution(
     pose = trajectory.pose
     worst, which = backend.over_list(LEAST_MARGIN, mechanism(geometry), pose).T
     status, leg = decode(worst, which)
-    circle = singular_radius(geometry, pose[:, 2]) - np.hypot(pose[:, 0], pose[:, 1])
-    turn = singular_rotation(geometry) - np.abs(wrap(pose[:, 2]))
+    circle, turn = type2_distances(geometry, pose)
     crossed = np.sign(circle) != np.sign(circle[0])
     if np.isfinite(turn).all():
         crossed |= np.sign(turn) != np.sign(turn[0])
