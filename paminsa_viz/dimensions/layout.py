@@ -128,10 +128,7 @@ def frame_lengths(m: Mechanism, guide_link: Any) -> FrameLengths:
         m: The mechanism.
         guide_link: l_B10 [m].
     """
-    # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
-    bars = m.crank + m.coupler
-    span = m.span_ratio * np.abs(m.base_radius - m.platform_radius)
-    deepest = np.sqrt(np.maximum(bars * bars - span * span, LEAST_DEEPEST))
+    deepest = _deepest(m)
     lower = m.root > 0.0
 
     low = -_depth(m, deepest) - m.joint_height
@@ -161,6 +158,13 @@ def frame_lengths(m: Mechanism, guide_link: Any) -> FrameLengths:
     )
 
 
+def _deepest(m: Mechanism) -> Any:
+    """Return how far joints 5 are from the guides, the pantographs stretched, in the middle [m]."""
+    bars = m.crank + m.coupler
+    span = m.span_ratio * np.abs(m.base_radius - m.platform_radius)
+    return np.sqrt(np.maximum(bars * bars - span * span, LEAST_DEEPEST))
+
+
 def _depth(m: Mechanism, deepest: Any) -> Any:
     """Return how far the platform's joints hang below the guides at most, lower knee [m]."""
     by_arms = m.k * (m.shaft - LOWEST_ARM)
@@ -182,9 +186,7 @@ class PlatformRange(NamedTuple):
 
 def platform_range(m: Mechanism) -> PlatformRange:
     """Return the heights in which the drawn bodies stay clear of the frame, a plain formula."""
-    bars = m.crank + m.coupler
-    span = m.span_ratio * np.abs(m.base_radius - m.platform_radius)
-    deepest = np.sqrt(np.maximum(bars * bars - span * span, LEAST_DEEPEST))
+    deepest = _deepest(m)
     # How far joint 5 stays from the guides, so that B7 clears the base plate. Joint 7 is at
     # z_7 = (z_5 - z_9)/k; it comes nearest with the knee 9 straight below (or above) the guide.
     near = np.maximum(m.crank - m.k * ROOM_OF_7, LEAST_NEAR)

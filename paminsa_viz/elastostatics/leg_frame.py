@@ -95,12 +95,7 @@ def leg_frame(geometry: Geometry, pose: ArrayLike) -> LegFrame:
     axes[..., 1, 0] = -g.uy
     axes[..., 2, 2] = 1.0
     points = {
-        joint: np.stack(
-            np.broadcast_arrays(
-                w.r5 * g.rho + w.r9 * g.r9, w.z5 * g.zeta + (w.r9 * g.z9 if w.r9 else 0.0) + w.z0
-            ),
-            axis=-1,
-        )
+        joint: np.stack(np.broadcast_arrays(*w.of(g)), axis=-1)
         for joint, w in point_weights(geometry).items()
     }
     height = np.full_like(g.px, geometry.platform_joint_height)

@@ -102,8 +102,7 @@ def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
     with np.errstate(all="ignore"):
         angles = leg_angles(g, HEADINGS)
         for number, w in point_weights(geometry).items():
-            r = w.r5 * g.rho + (w.r9 * g.r9 if w.r9 else 0.0)
-            z = w.z5 * g.zeta + (w.r9 * g.z9 if w.r9 else 0.0) + w.z0
+            r, z = w.of(g)
             points[number] = np.stack(
                 np.broadcast_arrays(
                     geometry.base_radius * LEG_AXES[:, 0] + r * g.ux,

@@ -21,6 +21,7 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 
@@ -32,6 +33,11 @@ class PointWeights(NamedTuple):
     z5: Any
     z0: Any = 0.0
     r0: Any = 0.0
+
+    def of(self, g: LegPosition) -> tuple[Any, Any]:
+        """Return r and z of the point [m]; where it does not depend on joint 9, without that."""
+        r9, z9 = (self.r9 * g.r9, self.r9 * g.z9) if self.r9 else (0.0, 0.0)
+        return self.r5 * g.rho + r9 + self.r0, self.z5 * g.zeta + z9 + self.z0
 
     def toward(self, other: PointWeights, share: Any) -> PointWeights:
         """Return the point at ``share`` of the way from here to another point."""

@@ -21,6 +21,7 @@ from paminsa_viz.precision.leg_plane import (
     PLANE_COLUMN,
     PLANE_INPUTS,
     joint_5_derivatives,
+    left,
     solve_leg,
 )
 
@@ -62,10 +63,10 @@ def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquat
 
     in_plane = joint_5_derivatives(lengths, plane)
     moved = radial[..., None] * in_plane[..., :1, :] + _UP[:, None] * in_plane[..., 1:, :]
-    around = plane.joint_5[..., :1] * _left(radial)
+    around = plane.joint_5[..., :1] * left(radial)
     by_state = np.zeros((n, 3, 3, STATE))
     by_state[..., 0, 0] = by_state[..., 1, 1] = by_state[..., 2, 3] = -1.0
-    by_state[..., 2] = -_left(held)
+    by_state[..., 2] = -left(held)
     # d(R c) = R (J_r dt x c) = -R [c]x J_r dt
     tilted = turn[:, None] @ _cross_matrix(joint) @ right[:, None]
     by_state[..., 4:6] = tilted[..., :2]
@@ -79,9 +80,9 @@ def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquat
         by_length[..., INDEX[name]] = moved[..., PLANE_COLUMN[name]]
     by_length[..., INDEX["joint_height"]] = -turn[:, None, :, 2]
     by_length[..., INDEX["axis_radius"]] = outward
-    by_length[..., INDEX["axis_angle"]] = length["axis_radius"] * _left(outward)
+    by_length[..., INDEX["axis_angle"]] = length["axis_radius"] * left(outward)
     by_length[..., INDEX["joint_radius"]] = -(inner @ back)
-    by_length[..., INDEX["joint_angle"]] = -length["joint_radius"] * (_left(inner) @ back)
+    by_length[..., INDEX["joint_angle"]] = -length["joint_radius"] * (left(inner) @ back)
     by_length[..., INDEX["actuator_zero"]] = around
     gap = (own - center - held).reshape(n, 9)
     return ClosureEquations(gap, by_state.reshape(n, 9, STATE), by_length)
@@ -94,13 +95,6 @@ _OF_PLANE = tuple(name for name in PLANE_INPUTS if name in INDEX)
 def _horizontal(angle: Array) -> Array:
     found = np.zeros((*angle.shape, 3))
     found[..., 0], found[..., 1] = np.cos(angle), np.sin(angle)
-    return found
-
-
-def _left(vector: Array) -> Array:
-    """Return z x v for vectors (..., 3)."""
-    found = np.zeros_like(vector)
-    found[..., 0], found[..., 1] = -vector[..., 1], vector[..., 0]
     return found
 
 

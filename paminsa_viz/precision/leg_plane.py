@@ -76,7 +76,7 @@ def _intersection(p: Array, radius: Array, q: Array, other: Array, side: float) 
     inverse = 1.0 / np.sum(d * d, axis=-1)
     foot = 0.5 + 0.5 * (radius**2 - other**2) * inverse
     rise = side * np.sqrt(radius**2 * inverse - foot**2)
-    return p + foot[..., None] * d + rise[..., None] * _left(d)
+    return p + foot[..., None] * d + rise[..., None] * left(d)
 
 
 @np.errstate(all="ignore")
@@ -95,17 +95,17 @@ def joint_5_derivatives(lengths: Array, plane: LegPlane) -> Array:
     loop_7 += at_3 - at_8
     loop_7[..., PLANE_COLUMN["bar_37"]] += plane.bar_43
     loop_7[..., PLANE_COLUMN["bar_87"]] -= plane.bar_87
-    turned_87 = length["bar_87"] * _left(plane.bar_87)
-    turned_37 = length["bar_37"] * _left(plane.bar_43)
+    turned_87 = length["bar_87"] * left(plane.bar_87)
+    turned_37 = length["bar_37"] * left(plane.bar_43)
     _, turn_43 = _solve_pair(turned_87, -turned_37, loop_7)
     # 8 + l_89 u_89 + l_94 u_94 + l_43 u_43 = 3
-    turned_43 = length["bar_43"] * _left(plane.bar_43)
+    turned_43 = length["bar_43"] * left(plane.bar_43)
     loop_9 += at_3 - at_8 - turned_43[..., None] * turn_43[..., None, :]
     loop_9[..., PLANE_COLUMN["bar_89"]] -= plane.bar_89
     loop_9[..., PLANE_COLUMN["bar_94"]] -= plane.bar_94
     loop_9[..., PLANE_COLUMN["bar_43"]] -= plane.bar_43
-    turned_89 = length["bar_89"] * _left(plane.bar_89)
-    turned_94 = _left(plane.bar_94)
+    turned_89 = length["bar_89"] * left(plane.bar_89)
+    turned_94 = left(plane.bar_94)
     turn_89, turn_94 = _solve_pair(turned_89, length["bar_94"] * turned_94, loop_9)
     # 5 = 8 + l_89 u_89 + (l_94 + l_45) u_94
     whole = (length["bar_94"] + length["bar_45"]) * turned_94
@@ -117,9 +117,9 @@ def joint_5_derivatives(lengths: Array, plane: LegPlane) -> Array:
     return moved
 
 
-def _left(vector: Array) -> Array:
-    """Return vectors (..., 2) turned by +90 degrees."""
-    found = np.empty_like(vector)
+def left(vector: Array) -> Array:
+    """Return vectors (..., 2) or (..., 3) turned by +90 degrees about z, without their z."""
+    found = np.zeros_like(vector)
     found[..., 0], found[..., 1] = -vector[..., 1], vector[..., 0]
     return found
 
