@@ -132,30 +132,18 @@ def test_a_turn_past_the_singular_rotation_is_found() -> None:
         assert (region_margins(g, region).turn > 0) is holds
 
 
-def test_a_region_holds_or_names_its_first_limit() -> None:
-    """Of a circle and a turn the singularity, else of the legs the one that is nearest."""
+def test_a_region_holds_above_every_limit_and_within_the_singularities() -> None:
     reach = np.array([[0.5, 0.4, 0.3, 0.2], [0.6, 0.11, 0.3, 0.4], [0.5, 0.4, 0.1, 0.2]])
     found = RegionMargins(reach, 0.2, 0.3)
     assert found.least_reach == 0.1
     assert found.holds()
-    assert found.cause() == ""
-    for least, holds in ((-1.0, True), (0.0, True), (0.0999, True), (0.1, False), (0.2, False)):
-        assert found.holds(least) is holds
-        assert found.cause(least) == ("" if holds else "guide:leg3")
-    for place, cause in (
-        ((0, 0), "stretched:leg1"), ((1, 1), "folded:leg2"), ((2, 2), "guide:leg3"),
-        ((1, 3), "axis:leg2"),
-    ):  # fmt: skip
+    for place in np.ndindex(reach.shape):
         for value in (0.0, -0.5):
             short = reach.copy()
             short[place] = value
             assert not RegionMargins(short, 0.2, 0.3).holds()
-            assert RegionMargins(short, 0.2, 0.3).cause() == cause
-            assert RegionMargins(short, 0.0, 0.3).cause() == "singular"
     for circle, turn in ((0.0, 0.3), (0.2, 0.0), (-0.1, 0.3), (0.2, -0.1)):
-        singular = RegionMargins(reach, circle, turn)
-        assert not singular.holds()
-        assert singular.cause() == "singular"
+        assert not RegionMargins(reach, circle, turn).holds()
 
 
 def test_what_is_known_of_a_requirement_has_the_bound_that_its_margin_stands_for() -> None:

@@ -20,7 +20,7 @@ from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.reach import LEAST_MARGIN, Limit
+from paminsa_viz.model.reach import LEAST_MARGIN
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.quantities.requirements import Range, WorkspaceShape
 from paminsa_viz.synthesis.volume.reach import cosine_range, leg_distances
@@ -123,20 +123,9 @@ class RegionMargins(NamedTuple):
         """Least margin of reach of all legs and limits [m]."""
         return float(self.reach.min())
 
-    def holds(self, least: float = 0.0) -> bool:
-        """Whether every pose can be taken, at least so far from every limit [m], none singular."""
-        return self.least_reach > max(least, 0.0) and min(self.circle, self.turn) > 0.0
-
-    def cause(self, least: float = 0.0) -> str:
-        """Say what does not hold, empty if all does."""
-        if self.circle <= 0.0 or self.turn <= 0.0:
-            return Limit.SINGULAR.word
-        if self.holds(least):
-            return ""
-        leg, limit = divmod(int(np.argmin(self.reach)), 4)
-        return (
-            f"{(Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.AXIS)[limit].word}:leg{leg + 1}"
-        )
+    def holds(self) -> bool:
+        """Whether every pose can be taken, and none is singular."""
+        return self.least_reach > 0.0 and min(self.circle, self.turn) > 0.0
 
 
 def region_margins(geometry: Geometry, region: PoseRegion) -> RegionMargins:
