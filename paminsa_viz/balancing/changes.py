@@ -22,6 +22,7 @@ from paminsa_viz.model.lumped import (
     point_mass_column,
 )
 from paminsa_viz.model.parameters import BAR_ENDS, LARGEST, Counterweight
+from paminsa_viz.model.statics import BODIES
 
 LEGS = 3
 """A mass of a leg is there three times."""
@@ -211,8 +212,7 @@ def _inertias(mass: MassRange) -> list[str]:
 @of_design
 def whole_mass(design: Design) -> float:
     """Return the mass of all that moves, all three legs, platform and payload [kg]."""
-    paths = [path for path in MASS_PATHS if PARAMETER[path].group in ("joints", "links")]
-    legs = sum(design.value(path) for path in paths)
+    legs = sum(map(design.value, BODIES))
     legs += sum(weight.mass for weight in design.counterweights)
     return LEGS * legs + design.platform.mass + design.payload.mass
 

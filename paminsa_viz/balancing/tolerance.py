@@ -16,11 +16,16 @@ from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidDesign, InvalidInput, name_hint
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_column
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.model.statics import static_imbalance, static_torques, unit_torques_by_leg
+from paminsa_viz.model.statics import (
+    BODIES,
+    static_imbalance,
+    static_torques,
+    unit_torques_by_leg,
+)
 
 RelativeTolerances = float | Mapping[str, float]
 """One relative tolerance for all values, or one for each path; what is not named is exact."""
@@ -83,7 +88,7 @@ def mass_tolerance(
     """
     pose = as_vectors(pose, "pose")
     geometry = design.geometry
-    paths = [path for path in MASS_PATHS if PARAMETER[path].group in ("joints", "links")]
+    paths = list(BODIES)
     matrix = lumped_matrix(geometry, design.gravity)
     effects = [matrix[1, MASS_PATHS.index(path)] * design.value(path) for path in paths]
     for number, weight in enumerate(design.counterweights):

@@ -12,6 +12,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.statics import BODIES
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.units import DisplayUnit, display_unit
@@ -74,9 +75,7 @@ class Objective:
         return -1.0 if self.largest else 1.0
 
 
-_LEG_MASSES = [
-    index for index, path in enumerate(MASS_PATHS) if path.startswith(("joints.", "links."))
-]
+_LEG_MASSES = [MASS_PATHS.index(path) for path in BODIES]
 _PLATFORM = MASS_PATHS.index("platform.mass")
 
 
