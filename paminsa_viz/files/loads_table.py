@@ -68,21 +68,19 @@ def joint_table(
             decide them; without it that column is empty but for joint 5.
         at: Of which instant of a motion the forces are, None at rest.
     """
-    rows = [(leg, index) for leg in LEGS for index in range(len(JOINTS))]
-    force = np.array([forces.force[leg, index] for leg, index in rows])
+    force = forces.force.reshape(-1, 3).copy()
     why = NEEDS_STIFFNESS
     if sideways is not None:
-        force[:, 1] = [sideways[leg, index] for leg, index in rows]
+        force[:, 1] = sideways.ravel()
         why = "at rest, from the stiffness of bars and bearings"
     columns: Columns = {
-        "leg": _texts(str(leg + 1) for leg, _ in rows),
-        "joint": _texts(JOINTS[index].key for _, index in rows),
-        "on": _texts(JOINTS[index].on for _, index in rows),
-        "by": _texts(JOINTS[index].by for _, index in rows),
+        **_joints(),
+        "on": _texts([joint.on for joint in JOINTS] * len(LEGS)),
+        "by": _texts([joint.by for joint in JOINTS] * len(LEGS)),
         "radial_N": force[:, 0],
         "tangential_N": force[:, 1],
         "vertical_N": force[:, 2],
-        "moment_Nm": np.array([forces.moment[leg, index] for leg, index in rows]),
+        "moment_Nm": forces.moment.ravel(),
     }
     facts = _place(pose, at) | {"tangential": why}
     return DataTable(columns, provenance(JOINTS_FORMAT, facts | _design(forces.design)))
@@ -128,23 +126,25 @@ def motion_loads_table(loads: MotionLoads) -> DataTable:
 
 def bearing_table(loads: MotionLoads) -> DataTable:
     """Return peak, RMS and equivalent load of every joint, a row each."""
-    rows = [(leg, index) for leg in LEGS for index in range(len(JOINTS))]
-
-    def column(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.array([values[row] for row in rows])
-
     columns: Columns = {
-        "leg": _texts(str(leg + 1) for leg, _ in rows),
-        "joint": _texts(JOINTS[index].key for _, index in rows),
-        "peak_N": column(loads.peak),
-        "peak_t_s": column(loads.peak_time),
-        "rms_N": column(loads.rms),
-        "equivalent_N": column(loads.equivalent),
-        "travel": column(loads.travel),
-        "travel_unit": _texts("rad" if JOINTS[index].turning else "m" for _, index in rows),
+        **_joints(),
+        "peak_N": loads.peak.ravel(),
+        "peak_t_s": loads.peak_time.ravel(),
+        "rms_N": loads.rms.ravel(),
+        "equivalent_N": loads.equivalent.ravel(),
+        "travel": loads.travel.ravel(),
+        "travel_unit": _texts(["rad" if joint.turning else "m" for joint in JOINTS] * len(LEGS)),
     }
     facts = {"trajectory": loads.trajectory.name}
     return DataTable(columns, provenance(SUMMARY_FORMAT, facts | _design(loads.design)))
+
+
+def _joints() -> Columns:
+    """Return which joints the rows are of: those of the first leg, of the second, of the third."""
+    return {
+        "leg": _texts([str(leg + 1) for leg in LEGS for _ in JOINTS]),
+        "joint": _texts([joint.key for joint in JOINTS] * len(LEGS)),
+    }
 
 
 def _texts(words: Any) -> NDArray[Any]:
