@@ -9,7 +9,7 @@ from typing import Any, SupportsFloat
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.blocks.data import POSITION_KEYS, record, robot
+from paminsa_viz.blocks.data import POSE_KEYS, POSITION_KEYS, record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, shown
 from paminsa_viz.model.accuracy import NO_DEVIATIONS, DriveAccuracy
 from paminsa_viz.model.arrays import Array
@@ -29,7 +29,7 @@ from paminsa_viz.precision.manufacture import (
     manufactured_pose,
     tolerance_errors,
 )
-from paminsa_viz.precision.unequal_legs import ERRORS, ORDER, SIX_COORDINATES
+from paminsa_viz.precision.unequal_legs import ERRORS, ORDER
 from paminsa_viz.studies.region import Region, RegionResults
 from paminsa_viz.units import counted, format_value
 
@@ -42,17 +42,12 @@ MOST_LENGTHS = 4
 
 def drive_blocks(here: DriveErrors, over: RegionResults) -> list[Block]:
     """Return the errors that the drives of a design leave at a pose and over a region."""
-    region = over.region
     errors = region_errors(over.field, over.design.accuracy, over.reached)
     wide = []
     for row in errors.rows:
         values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
         wide.append(_row(row.name, row.unit, values))
-    where = (
-        f"{counted(errors.poses, 'pose')} within {format_value(region.radius, 'm')} of the axis "
-        f"at θ {', '.join(format_value(angle, 'rad') for angle in region.theta)} and z "
-        f"{', '.join(format_value(z, 'm') for z in region.z)}"
-    )
+    where = f"{counted(errors.poses, 'pose')} {over.region.words}"
     head = ("Errors from the drives", "Median", "95 %", "Largest", "Linear: median", "RMS: median")
     caption = f"Of the exact errors, the estimates and the RMS over {where}."
     blocks: list[Block] = [
@@ -273,10 +268,9 @@ def manufacture_data(
 ) -> dict[str, Any]:
     """Return the errors by manufacture at a pose, and those of robots drawn at random."""
     errors, actual = tolerance_errors(design, pose), manufactured_pose(design, pose)
-    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
 
     def named(values: Array) -> dict[str, float]:
-        return dict(zip(keys, values, strict=True))
+        return dict(zip(POSE_KEYS, values, strict=True))
 
     data: dict[str, Any] = {
         "worst": named(errors.worst),
@@ -286,7 +280,7 @@ def manufacture_data(
         "worst_tilt_rad": errors.tilt,
         "shares": {
             key: {length.name: share for length, share in zip(LENGTHS, row, strict=True)}
-            for key, row in zip(keys, errors.shares, strict=True)
+            for key, row in zip(POSE_KEYS, errors.shares, strict=True)
         },
         "actual": named(actual.coordinates),
         "actual_reason": actual.reason(),

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.blocks.data import record, robot
+from paminsa_viz.blocks.data import POSE_KEYS, record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, shown
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
@@ -16,7 +16,7 @@ from paminsa_viz.precision.calibration_plan import CalibrationPlan
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
 from paminsa_viz.precision.measurements import PredictionErrors
-from paminsa_viz.precision.unequal_legs import ERRORS, ORDER, SIX_COORDINATES
+from paminsa_viz.precision.unequal_legs import ERRORS, ORDER
 from paminsa_viz.units import MM, counted, display_unit, fixed, format_value, interval_text, number
 
 MOST_COMBINATIONS = 10
@@ -175,12 +175,11 @@ def poses_table(plan: CalibrationPlan) -> Table:
 def calibration_data(found: Calibration, source: str) -> dict[str, Any]:
     """Return everything as data for JSON, in SI units."""
     names = [f"{leg}.{length.name}_{length.unit}" for leg in LEG_NAMES for length in LENGTHS]
-    keys = [f"{name}_{'m' if name in 'xyz' else 'rad'}" for name in SIX_COORDINATES]
 
     def errors(values: PredictionErrors) -> dict[str, Any]:
         sizes = {kind: getattr(values, kind) for kind in ("rms", "largest")}
         return {"poses": values.poses} | {
-            kind: dict(zip(keys, each, strict=False)) for kind, each in sizes.items()
+            kind: dict(zip(POSE_KEYS, each, strict=False)) for kind, each in sizes.items()
         }
 
     return {

@@ -20,6 +20,9 @@ UNITS = ("m", "rad", "s", "Hz", "kg", "N", "Nm", "N_per_m", "kg_m2", "W", "J", "
 POSITION_KEYS = ("M1_rad", "M2_rad", "M3_rad", "M4_m")
 """Keys in JSON of positions of the actuators, or of what they are off by."""
 
+POSE_KEYS = ("x_m", "y_m", "theta_rad", "z_m", "tilt_x_rad", "tilt_y_rad")
+"""Keys in JSON of what a pose and a tilt are off by, `unequal_legs.SIX_COORDINATES`."""
+
 
 def record(result: object, *keys: str) -> dict[str, Any]:
     """Return attributes of a result for JSON, by keys that end in the unit of the value.

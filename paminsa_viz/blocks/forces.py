@@ -73,12 +73,9 @@ def index_table(design: Design, pose: Array, keys: Sequence[str], about: str = "
             without[quantity.symbol] = str(error)
         cells = (format_value(value, quantity.unit) for value in values)
         rows.append(Row((quantity.symbol, quantity.title, *cells)))
-    heights = ", ".join(format_value(z, "m") for z in region.z)
-    angles = ", ".join(format_value(angle, "rad") for angle in region.theta)
     caption = (
         f"{about}At the report's pose, and mean, least value and standard deviation over the poses "
-        f"that can be reached within {format_value(region.radius, 'm')} of the axis at θ {angles} "
-        f"and z {heights}."
+        f"that can be reached {region.words}."
     )
     for reason in dict.fromkeys(without.values()):
         symbols = [symbol for symbol in without if without[symbol] == reason]

@@ -17,6 +17,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit, home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting, require_condition
+from paminsa_viz.units import format_value
 
 if TYPE_CHECKING:
     from paminsa_viz.quantities import Quantity
@@ -55,6 +56,13 @@ class Region:
         if not 2 <= self.cells <= MOST_CELLS:
             raise InvalidInput("cells", f"2 to {MOST_CELLS} cells are possible, not {self.cells}")
         require_condition(self.max_condition)
+
+    @property
+    def words(self) -> str:
+        """Where its poses are: ``within 175 mm of the axis at θ 0°, 30° and z −552 mm``."""
+        angles = ", ".join(format_value(angle, "rad") for angle in self.theta)
+        heights = ", ".join(format_value(z, "m") for z in self.z)
+        return f"within {format_value(self.radius, 'm')} of the axis at θ {angles} and z {heights}"
 
     def grid(self) -> Grid:
         """Return the poses, (theta, z, y, x); those outside the disc are for `inside` to drop."""

@@ -25,6 +25,7 @@ from paminsa_viz.model.elastic import BARS
 from paminsa_viz.precision.drive_errors import Bound
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.studies.region import Region
 from tests.blocks.said import cells, said
 
 POSE = (0.03, -0.02, 0.25, -0.52)
@@ -143,7 +144,7 @@ def test_errors_by_the_drives_at_a_pose_and_over_a_region(monkeypatch: pytest.Mo
     errors = SimpleNamespace(rows=drive_rows(41), poses=41, unbounded={unbounded: 7})
     monkeypatch.setattr(accuracy, "region_errors", lambda field, accuracy, reached: errors)
     monkeypatch.setattr(accuracy, "error_rows", lambda found: drive_rows(2))
-    region = SimpleNamespace(radius=0.12, theta=(0.0, 0.5), z=(-0.5, -0.6))
+    region = Region(0.12, theta=(0.0, 0.5), z=(-0.5, -0.6))
     over: Any = SimpleNamespace(design=APPENDIX_4, region=region, field=None, reached=None)
     here: Any = SimpleNamespace(ok=True, reason=lambda: "", pose=POSE)
     parts, at, wide, lost = accuracy.drive_blocks(here, over)
