@@ -14,7 +14,7 @@ from paminsa_viz.blocks.kinds import Block, Note, Table, rows
 from paminsa_viz.clearance import Clearance, PairGroup, clearance, clearance_reason
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.resizing import is_prototype_sized, length_ratio
+from paminsa_viz.model.resizing import is_comparable, length_ratio
 from paminsa_viz.units import format_value, number
 
 MOST = 12
@@ -31,9 +31,9 @@ def size_advice(geometry: Geometry) -> str:
 
     One that is not the prototype's was chosen.
     """
-    if geometry.body_scale != 1.0 or is_prototype_sized(geometry):
-        return ""
     times = length_ratio(geometry)
+    if geometry.body_scale != 1.0 or is_comparable(times):
+        return ""
     return (
         f"bodies are as large as the prototype's, lengths {number(times, 3)} times as long: set "
         f"s_b, the size of the bodies among the lengths, to about {number(times, 2)}"

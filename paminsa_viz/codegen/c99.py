@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from paminsa_viz.codegen.printer import commented, filled, joined
+from paminsa_viz.codegen.printer import commented, filled
 from paminsa_viz.codegen.source import INDEX, TRUTH, Kind, Record
 
 
@@ -77,7 +77,7 @@ class C99:
         comments = record.comments or ("",) * len(record.fields)
         for name, comment in zip(record.fields, comments, strict=True):
             lines.append(f"    double {name};" + (f"  /* {comment} */" if comment else ""))
-        return joined([*lines, f"}} {self.type_name(record)};"])
+        return "\n".join([*lines, f"}} {self.type_name(record)};"])
 
     def definition(
         self, name: str, doc: str, arguments: list[tuple[str, Kind]], result: Kind, body: list[str]
@@ -91,7 +91,7 @@ class C99:
         )
         head = f"static inline {self.type_name(result)} {self.function_name(name)}({given})"
         lines = [*commented(doc), *filled(head, 0, ", "), "{"]
-        words = set(joined(body).replace(".", " .").translate(_BREAKS).split())
+        words = set("\n".join(body).replace(".", " .").translate(_BREAKS).split())
         lines += [f"    (void){a};" for a, _ in arguments if a not in words]
         for line in body:
             if line.startswith("// "):
@@ -100,7 +100,7 @@ class C99:
                 for part in line.split("\n"):
                     depth = 8 if part.startswith("    ") else 4
                     lines += filled(part.strip(), depth)
-        return joined([*lines, "}"])
+        return "\n".join([*lines, "}"])
 
 
 _BREAKS = str.maketrans(dict.fromkeys("()[]{}+-*/,;&|<>=!?:", " "))

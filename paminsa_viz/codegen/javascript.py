@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from paminsa_viz.codegen.printer import commented, filled, joined
+from paminsa_viz.codegen.printer import commented, filled
 from paminsa_viz.codegen.source import Kind, Record
 
 
@@ -77,7 +77,7 @@ class JavaScript:
         lines = [*commented(doc), *filled(head, 0)]
         for line in body:
             lines += filled(line, 4)
-        return joined([*lines, "}"])
+        return "\n".join([*lines, "}"])
 
 
 FLOOR_MOD = """\

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from paminsa_viz import __version__
 from paminsa_viz.actuation.wrench_capability import transmission_indices
 from paminsa_viz.codegen.c99 import C99
-from paminsa_viz.codegen.printer import FUNCTIONS, Printer
+from paminsa_viz.codegen.printer import FUNCTIONS, Printer, commented
 from paminsa_viz.model import kinematic_formulas, measures, robot
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
@@ -164,17 +164,15 @@ def header() -> str:
     printer = Printer(C99())
     printer.add(*FORMULAS)
     angles = ", ".join(map(repr, kinematic_formulas.HEADING))
-    title = _commented(
-        [
-            "paminsa.h: kinematics, statics and dynamics of the PAMINSA.",
-            "",
-            f"Written by paminsa-viz {__version__} from the formulas of its model; see README.md.",
-            "Equations are those of Arakelian, Guegan and Briot, DETC2005-84679.",
-            "Compile with -std=c99 or -ffp-contract=off; never with -ffast-math.",
-        ]
+    title = commented(
+        "paminsa.h: kinematics, statics and dynamics of the PAMINSA.\n\n"
+        f"Written by paminsa-viz {__version__} from the formulas of its model; see README.md.\n"
+        "Equations are those of Arakelian, Guegan and Briot, DETC2005-84679.\n"
+        "Compile with -std=c99 or -ffp-contract=off; never with -ffast-math."
     )
     parts = [
-        f"{title}\n#ifndef PAMINSA_H\n#define PAMINSA_H\n\n#include <math.h>\n",
+        *title,
+        "#ifndef PAMINSA_H\n#define PAMINSA_H\n\n#include <math.h>\n",
         MOD,
         printer.text(),
         template("interface.h", HEADING=angles),
@@ -252,12 +250,9 @@ def _mass_setter(design: Design) -> str:
             if factor != 0.0
         ]
         sums.append(f"    e->{term} =\n        " + "\n        + ".join(parts or ["0.0"]) + ";")
-    about = _commented(
-        [
-            "Change the masses [kg, kg m^2] of a robot of this design's lengths and gravity.",
-            "",
-            "The factors of the energies are linear in them (Appendices 2 and 3, Eqs. 11-14).",
-        ]
+    about = commented(
+        "Change the masses [kg, kg m^2] of a robot of this design's lengths and gravity.\n\n"
+        "The factors of the energies are linear in them (Appendices 2 and 3, Eqs. 11-14)."
     )
     platform = ("mass", "inertia")
     parts = "\n".join(
@@ -273,7 +268,7 @@ static const double PAMINSA_MASSES[PAMINSA_MASS_COUNT] = {{
 {numbers}
 }};
 
-{about}
+{chr(10).join(about)}
 static inline void paminsa_set_masses(PaminsaDesign *design, const double m[PAMINSA_MASS_COUNT])
 {{
     PaminsaEnergyTerms *e = &design->energy;
@@ -365,11 +360,6 @@ def _poses(design: Design, draw: int) -> Array:
 def _plain(text: str) -> str:
     """Return a name that a C comment can hold: it neither ends there nor seems to begin again."""
     return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", re.sub(r"[^ -~]", "?", text))
-
-
-def _commented(lines: list[str]) -> str:
-    first, *rest = lines
-    return "\n".join([f"/* {first}", *(f" * {line}".rstrip() for line in rest), " */"])
 
 
 def template(name: str, **values: str) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable
 from types import FunctionType
 from typing import Any, Protocol
 
@@ -387,7 +387,7 @@ class _Body:
         if function is where:
             condition, yes, no = (self._operand(item, CHOICE + 1) for item in arguments)
             return f"{condition} ? {yes} : {no}", self._expression(arguments[1])[1], CHOICE
-        if _hashable(function) and function in FUNCTIONS:
+        if isinstance(function, Hashable) and function in FUNCTIONS:
             values = ", ".join(self._real(item) for item in arguments)
             return f"{self.language.elementary(FUNCTIONS[function])}({values})", REAL, ATOM
         if is_record(function):
@@ -409,10 +409,6 @@ class _Body:
             called = f"{self.language.function_name(name)}({', '.join(passed)})"
             return called, self.printer.results[name], ATOM
         raise self._refused(node, f"a call of {ast.unparse(node.func)}")
-
-
-def _hashable(value: object) -> bool:
-    return getattr(type(value), "__hash__", None) is not None
 
 
 def filled(text: str, indent: int, at: str = " ", width: int = 100) -> list[str]:
@@ -437,8 +433,3 @@ def commented(doc: str) -> list[str]:
     if len(lines) == 1:
         return [f"/* {lines[0]} */"]
     return [f"/* {lines[0]}", *(f" * {line}".rstrip() for line in lines[1:]), " */"]
-
-
-def joined(lines: Iterable[str]) -> str:
-    """Return lines as one text."""
-    return "\n".join(lines)

@@ -146,11 +146,6 @@ def radius_ratio(geometry: Geometry) -> float:
     return geometry.base_radius / APPENDIX_4.geometry.base_radius
 
 
-def is_prototype_sized(geometry: Geometry) -> bool:
-    """Whether lengths are so near Appendix 4's that what is chosen for its robot holds as well."""
-    return is_comparable(length_ratio(geometry))
-
-
 def is_comparable(ratio: float) -> bool:
     """Whether a length is so near Appendix 4's that what is chosen for its robot holds as well."""
     return 0.5 < ratio < 2.0
