@@ -29,6 +29,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.parameters import PANTOGRAPH
 
 MOST_DIVISIONS = 16
 """Most elements of a bar between two joints."""
@@ -74,7 +75,7 @@ def bar_masses(design: Design) -> dict[str, BarElementMass]:
     }
     axial = {"b2": inertias.b2_vertical}
     across = {"b10": inertias.b10_vertical}
-    for bar in ("b3", "b4", "b7", "b8"):
+    for bar in PANTOGRAPH:
         axial[bar] = getattr(inertias, f"{bar}_axial")
         across[bar] = getattr(inertias, f"{bar}_transverse")
     found = {}

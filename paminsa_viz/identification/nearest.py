@@ -22,7 +22,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import SMALLEST, Friction, Parameter
+from paminsa_viz.model.parameters import PANTOGRAPH, SMALLEST, Friction, Parameter
 
 SPREAD = 0.3
 """How far the designer's masses are believed to be off, as a share (one standard deviation)."""
@@ -35,8 +35,6 @@ UNTOLD = 0.9
 
 TINY = 1e-9
 """Masses, inertias and friction below this are zero [SI]."""
-
-BARS = ("b3", "b4", "b7", "b8")
 
 
 @dataclass(frozen=True)
@@ -162,7 +160,7 @@ def _prior_deviation(paths: list[str], prior: Array, spread: float) -> Array:
 def _bounded(paths: list[str]) -> Array:
     """Return T with masses = T v: a bar's transverse inertia is half the axial one plus v >= 0."""
     steps = np.eye(len(paths))
-    for bar in BARS:
+    for bar in PANTOGRAPH:
         across, along = (paths.index(f"inertias.{bar}_{kind}") for kind in ("transverse", "axial"))
         steps[across, along] = 0.5
     return steps

@@ -230,17 +230,12 @@ class Statistics(NamedTuple):
     rms: float
 
 
-def statistics(t: Values, trace: Trace, until: int | None = None) -> Statistics:
+def statistics(t: Values, trace: Trace) -> Statistics:
     """Return peak and RMS of a trace over time (n,) [s], as far as it is drawn.
 
     A motion that fails leaves gaps; what is drawn beyond them counts, by the time it takes.
-
-    Args:
-        t: Instants.
-        trace: The trace.
-        until: Samples that count; None for all.
     """
-    values = trace.values[:until]
+    values = trace.values
     pieces = runs(values)
     if not pieces:
         return Statistics(math.nan, math.nan, math.nan)

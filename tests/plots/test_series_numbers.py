@@ -99,12 +99,12 @@ def test_statistics_count_each_piece_by_the_time_it_takes(pieces, start) -> None
 
 
 def test_statistics_end_where_the_trace_does() -> None:
-    t, trace = np.arange(4.0), Trace("x", np.array([1.0, -3.0, 2.0, 9.0]), RED)
-    assert statistics(t, trace, 3)[:2] == (-3.0, 1.0)
-    assert statistics(t, trace)[:2] == (9.0, 3.0)
-    assert all(math.isnan(number) for number in statistics(t, trace, 0))
+    trace = Trace("x", np.array([1.0, -3.0, 2.0, np.nan]), RED)
+    assert statistics(np.arange(4.0), trace)[:2] == (-3.0, 1.0)
+    empty = Trace("y", np.array([np.nan]), RED)
+    assert all(math.isnan(number) for number in statistics(np.arange(1.0), empty))
     assert largest_size([trace, Trace("y", np.array([np.nan, -20.0]), RED)]) == 20.0
-    assert largest_size([Trace("y", np.array([np.nan]), RED)]) == 0.0
+    assert largest_size([empty]) == 0.0
 
 
 # ------------------------------------------------------------------------- notes beside curves

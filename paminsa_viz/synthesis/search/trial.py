@@ -25,6 +25,7 @@ from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.model.resizing import resized_coefficients, resized_masses
+from paminsa_viz.quantities.registry import TORQUES
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.search import kernels
@@ -66,7 +67,7 @@ class Poses:
     def alike(self) -> bool:
         """Whether no bound and no load tells the legs from each other."""
         load = self.case.reference.load
-        single = {b.quantity for b in self.case.requirements.bounds} & set(SINGLE)
+        single = {b.quantity for b in self.case.requirements.bounds} & set(TORQUES)
         turned = any((load.force_x, load.force_y, load.moment_z))
         return not single and not turned
 
@@ -95,10 +96,6 @@ class Poses:
     def __reduce__(self) -> tuple[type[Poses], tuple[SynthesisCase, Density]]:
         """Send what the rest follows from."""
         return Poses, (self.case, self.density)
-
-
-SINGLE = ("tau_1", "tau_2", "tau_3")
-"""Quantities of one leg among those that `kernels.torques` returns."""
 
 
 @dataclass(frozen=True, eq=False)
