@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import logging
 import sys
 import threading
 import warnings
@@ -28,9 +27,6 @@ if TYPE_CHECKING:  # loaded when the server starts, and in the background
     from paminsa_viz.model import Design
     from paminsa_viz.quantities.requirements import Requirements
     from paminsa_viz.trajectory import Trajectory
-
-log = logging.getLogger(__name__)
-
 
 SWITCH_INTERVAL = 0.001
 """Longest time one thread keeps the others waiting [s]: what is drawn is sent at once while the

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -32,8 +31,6 @@ from paminsa_viz.synthesis.volume.surface import VOLUME_FORMATS
 Make = Callable[..., File]
 
 _MODELS = {name: each for name, each in TARGETS.items() if name != "glb"}
-
-log = logging.getLogger(__name__)
 
 
 def _recording(state: State) -> bool:

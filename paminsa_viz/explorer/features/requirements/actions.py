@@ -24,7 +24,6 @@ from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import (
     Range,
     Requirement,
-    Requirements,
     Workspace,
     WorkspaceShape,
 )
@@ -263,11 +262,6 @@ def choose_shape(state: State, shape: WorkspaceShape | None) -> State:
     x, y, height = held.size
     size = (x, x if shape is WorkspaceShape.CYLINDER else y, height)
     return change(state, workspace=replace(held, shape=shape, size=size))
-
-
-def clear(state: State) -> State:
-    """Remove all requirements."""
-    return change(state, **vars(Requirements()))
 
 
 def proportions(document: Document, shape: WorkspaceShape, free: bool) -> Workspace:

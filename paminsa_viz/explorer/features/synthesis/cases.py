@@ -23,9 +23,8 @@ from paminsa_viz.synthesis.search.case import (
     SynthesisCase,
 )
 
-HEIGHT, WIDTH, TALL = DIMENSIONS
-"""Paths of the workspace's height and sizes."""
-
+_, WIDTH, TALL = DIMENSIONS
+"""Paths of the workspace's sizes."""
 
 EFFORTS: dict[EffortChoice, Effort] = {
     EffortChoice.QUICK: Effort(40, 8),

@@ -72,7 +72,7 @@ def test_marks_of_the_strip_are_gray_until_the_next_check(asked: State) -> None:
     assert line(solved(fewer)) == (marks[:2] + marks[3:], False)
     assert line(solved(other))[1] is False
     assert "✗" in line(solved(other))[0]
-    assert line(actions.clear(state)) == ([], False)
+    assert line(actions.change(state, bounds=(), workspace=None)) == ([], False)
 
 
 @pytest.mark.slow
@@ -223,4 +223,4 @@ def test_a_largest_workspace_is_stale_once_what_it_is_of_has_changed() -> None:
     assert actions.LARGEST.changes(kept.updated("requirements.largest.settings", seconds=60.0)) == (
         "seconds",
     )
-    assert actions.LARGEST.changes(actions.clear(kept)) == ("requirements",)
+    assert actions.LARGEST.changes(actions.change(kept, bounds=())) == ("requirements",)
