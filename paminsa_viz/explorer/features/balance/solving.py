@@ -49,7 +49,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.map_values import half_width
 from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
-from paminsa_viz.trajectory.integrals import mean_weights
 
 FRONT_POINTS = 12
 MIDDLE, MIDDLE_CELLS = 0.75, 21
@@ -87,13 +86,16 @@ def _best(job: BalanceJob) -> Optimum:
     if settings.goal is not Goal.BOTH:
         term = MOTION_GOALS[settings.goal.name.lower()](motion(job))
         return optimize(job.design, changes, term, limits=limits)
-    peak = TrajectoryPeak(motion(job))
-    static = StaticPeak(job.plane(COARSE))
+    solved = motion(job)
+    dynamic_torque = float(np.abs(solved.torques(job.design)[:, :3]).max())
     # Each counts by what it is now, so that the share is one of like with like.
     parts = (
-        (settings.motion_weight, peak, dynamic_torque(job, job.design)[0]),
-        (1 - settings.motion_weight, static, static_torque(job, job.design)[0]),
-    )
+        (settings.motion_weight, TrajectoryPeak(solved), dynamic_torque),
+        (
+            1 - settings.motion_weight, StaticPeak(job.plane(COARSE)),
+            static_torque(job, job.design),
+        ),
+    )  # fmt: skip
     goals = [(share / (now or 1.0), term) for share, term, now in parts]
     return optimize(job.design, changes, goals, limits=limits)
 
@@ -191,24 +193,11 @@ def actuator_sizes(job: BalanceJob, design: Design) -> Array:
     return sizes
 
 
-def static_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
-    """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
+def static_torque(job: BalanceJob, design: Design) -> float:
+    """Return the largest static torque of M1..M3 over the plane [N m], 0 where no pose counts."""
     field = job.plane(COARSE)
     torque = field.torques(design)[:3, field.status == Limit.OK]
-    if torque.size == 0:
-        return np.nan, np.nan
-    return float(np.abs(torque).max()), float(np.sqrt(np.mean(torque**2)))
-
-
-def dynamic_torque(job: BalanceJob, design: Design) -> tuple[float, float]:
-    """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it cannot run."""
-    try:
-        solved = motion(job)
-    except PaminsaError:
-        return np.nan, np.nan
-    torque = solved.torques(design)[:, :3]
-    square = mean_weights(solved.trajectory.t) @ torque**2
-    return float(np.abs(torque).max()), float(np.sqrt(square.mean()))
+    return float(np.abs(torque).max(initial=0.0))
 
 
 def motion(job: BalanceJob) -> SolvedTrajectory:

@@ -65,7 +65,7 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
         assert job.trajectory is not None
         torque = analyze(after.document.design, job.trajectory).torque[:, :3]
         assert np.abs(torque).max() == pytest.approx(first, rel=1e-6)
-        still = static_torque(job, after.document.design)[0]
+        still = static_torque(job, after.document.design)
         assert still == pytest.approx(second, rel=1e-6, abs=1e-7)
         assert clicked_point({"x": first, "y": second}, after) == index
         shown = front_figure(*drawn(shown_front(after)))
