@@ -146,8 +146,8 @@ def commands() -> tuple[Command, ...]:
     )  # fmt: skip
 
 
-def register_commands(session: Session, more: Sequence[Command] = ()) -> None:
-    """Put the commands on the page."""
+def register_commands(session: Session, more: Sequence[Command]) -> None:
+    """Put the commands on the page, below some more."""
     for command in (*more, *commands()):
         keys: dict[str, Any] = {"hotkey": command.hotkey, "modifier": command.modifier}
         handle = session.client.gui.add_command(

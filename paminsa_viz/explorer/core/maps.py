@@ -41,15 +41,11 @@ KEPT = 8
 
 
 class MapStore:
-    """Makes the maps of one session and keeps the fields behind them. Safe to use from threads.
+    """Makes the maps of one session and keeps the fields behind them. Safe to use from threads."""
 
-    Args:
-        kept: Fields that are kept.
-    """
-
-    def __init__(self, kept: int = KEPT) -> None:
-        self._field = lru_cache(kept)(workspace_field)
-        self._outside = lru_cache(kept)(_outside_of)
+    def __init__(self) -> None:
+        self._field = lru_cache(KEPT)(workspace_field)
+        self._outside = lru_cache(KEPT)(_outside_of)
         self._held: dict[tuple[tuple[str, ...], MapView], tuple[Scale, ...]] = {}
 
     def data(

@@ -277,10 +277,10 @@ def set_value(state: State, value: float, *, path: str, name: str, unit: Display
         raise InvalidInput(f"{name} = {unit.format(value, DIGITS)}", allowed) from error
 
 
-def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:
-    """Whether two designs differ in the number at ``path``.
+def is_changed(design: Design, path: str) -> bool:
+    """Whether a design differs from Appendix 4 in the number at ``path``.
 
     A number that is set in one and left open in the other differs as well, as the guide stroke that
     follows l_B10 until it is set.
     """
-    return design.stored(path) != reference.stored(path)
+    return design.stored(path) != APPENDIX_4.stored(path)

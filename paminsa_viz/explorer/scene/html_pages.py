@@ -22,7 +22,6 @@ import viser
 from numpy.typing import ArrayLike
 
 from paminsa_viz import palette
-from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.core.frame import compute
@@ -167,7 +166,7 @@ def titled(page: str, title: str) -> str:
     return _with_head(page, f"{style_html()}<script>{asset('backdrop.js')}</script>")
 
 
-def motion_html(design: Design, trajectory: Trajectory, *, frame_rate: float = FRAME_RATE) -> bytes:
+def motion_html(design: Design, trajectory: Trajectory) -> bytes:
     """Return a page that plays a motion in real time, over and over, with the robot and its path.
 
     A motion that the robot cannot run is played up to where it first fails; the rest of its path
@@ -176,31 +175,27 @@ def motion_html(design: Design, trajectory: Trajectory, *, frame_rate: float = F
     Args:
         design: The robot.
         trajectory: The motion.
-        frame_rate: Places of the robot a second [1/s].
 
     Returns:
         HTML, UTF-8.
 
     Raises:
-        InvalidInput: If the frame rate is not above 0 and up to 60 a second.
         ImpossibleTrajectory: If the motion fails at its very start: there is nothing to play.
         CannotListen: If no port is left for the server.
     """
-    if not 0 < frame_rate <= 60:
-        raise InvalidInput("frame_rate", f"above 0 and up to 60 is needed, not {frame_rate!r}")
     analysis = analyze(design, trajectory)
     first = analysis.check.first
     if first is not None and analysis.check.until < 2:
         raise ImpossibleTrajectory(first)
     until = analysis.check.until
-    times = frame_times(float(trajectory.t[0]), float(trajectory.t[until - 1]), frame_rate)
+    times = frame_times(float(trajectory.t[0]), float(trajectory.t[until - 1]))
     scene, frames = _record(analysis, times)
     return _page(scene, analysis, times, frames).encode()
 
 
-def frame_times(begin: float, end: float, frame_rate: float = FRAME_RATE) -> Array:
+def frame_times(begin: float, end: float) -> Array:
     """Return the instants of the robot's places in equal steps, both ends among them (n,) [s]."""
-    steps = min(max(math.ceil((end - begin) * frame_rate - 1e-9), 1), MOST_FRAMES - 1)
+    steps = min(max(math.ceil((end - begin) * FRAME_RATE - 1e-9), 1), MOST_FRAMES - 1)
     return np.linspace(begin, end, steps + 1)
 
 

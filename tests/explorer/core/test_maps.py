@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer.core import actions, causes
-from paminsa_viz.explorer.core.maps import DRAG_BUDGET, MapStore, go_to
+from paminsa_viz.explorer.core.maps import DRAG_BUDGET, KEPT, MapStore, go_to
 from paminsa_viz.explorer.features.requirements.actions import suggest
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import (
@@ -150,14 +150,15 @@ def test_cells_that_break_a_requirement_are_found_once_and_for_what_hatches_them
 
 
 def test_store_keeps_the_latest_fields_for_every_quantity(solved: list[int]) -> None:
-    store, state = MapStore(kept=3), at()
-    for theta in (0.1, 0.2, 0.3, 0.4):
-        store.data(actions.move(state, theta=theta), CELLS)
+    store, state = MapStore(), at()
+    first, *others, last = (actions.move(state, theta=0.1 * i) for i in range(KEPT + 1))
+    for moved in (first, *others, last):
+        store.data(moved, CELLS)
     for quantity in ("condition", "determinant"):
-        store.data(actions.move(state, theta=0.4), CELLS, (quantity,))
-    assert len(solved) == 4
-    store.data(actions.move(state, theta=0.1), CELLS)
-    assert len(solved) == 5
+        store.data(last, CELLS, (quantity,))
+    assert len(solved) == KEPT + 1
+    store.data(first, CELLS)
+    assert len(solved) == KEPT + 2
 
 
 def test_dragging_a_mass_solves_nothing_with_a_reference_at_both_resolutions(
