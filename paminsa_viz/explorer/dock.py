@@ -8,7 +8,7 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.browser.bridge import Slots, finite
+from paminsa_viz.explorer.browser.bridge import Slots, finite_place
 from paminsa_viz.explorer.core.docks import ANSWER_TAB, BESIDE, fit_right, left_dock
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import MapStore
@@ -124,7 +124,7 @@ def view_panel(session: Session) -> Panel:
 
 def clicked_place(data: Any) -> tuple[float, float] | None:
     """Read a click on one of the maps, sent in mm; return (x, y) [m], or None if it is not one."""
-    if not isinstance(data, dict) or data.get("title") not in (TORQUE_SLOT, SINGLE_SLOT):
+    place = finite_place(data)
+    if place is None or data.get("title") not in (TORQUE_SLOT, SINGLE_SLOT):
         return None
-    x, y = finite(data.get("x")), finite(data.get("y"))
-    return None if x is None or y is None else (x / 1e3, y / 1e3)
+    return place[0] / 1e3, place[1] / 1e3

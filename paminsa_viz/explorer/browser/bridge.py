@@ -72,6 +72,14 @@ def finite(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
+def finite_place(data: Any) -> tuple[float, float] | None:
+    """Return the finite x and y of a message, or None for anything else that a page may send."""
+    if not isinstance(data, dict):
+        return None
+    x, y = finite(data.get("x")), finite(data.get("y"))
+    return None if x is None or y is None else (x, y)
+
+
 class Bridge:
     """Scripts to one tab and messages from it.
 

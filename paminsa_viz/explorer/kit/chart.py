@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from paminsa_viz.explorer.browser.bridge import finite
+from paminsa_viz.explorer.browser.bridge import finite_place
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.entries import Custom, Message
@@ -168,13 +168,11 @@ def nearest_point(data: Any, points: Array, *others: Any) -> int | None:
         points: (n, 2) of the chart, one of which can be meant.
         others: What else is in the chart: with the points it spans width and height.
     """
-    if not isinstance(data, dict):
-        return None
-    x, y = finite(data.get("x")), finite(data.get("y"))
-    if x is None or y is None:
+    place = finite_place(data)
+    if place is None:
         return None
     span = np.maximum(np.ptp(np.vstack([points, *others]), axis=0), 1e-9)
-    distance = np.hypot(*((points - [x, y]) / span).T)
+    distance = np.hypot(*((points - place) / span).T)
     nearest = int(distance.argmin())
     return nearest if distance[nearest] <= FARTHEST_CLICK else None
 

@@ -12,7 +12,7 @@ from typing import Any, Final
 from trimesh.creation import icosphere
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer.browser.bridge import finite
+from paminsa_viz.explorer.browser.bridge import finite, finite_place
 from paminsa_viz.explorer.core.planning import planned, pose_at
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.maps.floor import ABOVE, RING
@@ -43,8 +43,8 @@ def marked_place(state: State, data: Any) -> tuple[float, float, float] | None:
         trajectory = planned(document.motion, document.design).trajectory
         pose = None if trajectory is None else pose_at(trajectory, document.design.geometry, time)
         return None if pose is None else (pose[0], pose[1], pose[3])
-    x, y = finite(data.get("x")), finite(data.get("y"))
-    return None if x is None or y is None else (x / 1e3, y / 1e3, state.document.pose[3])
+    place = finite_place(data)
+    return None if place is None else (place[0] / 1e3, place[1] / 1e3, state.document.pose[3])
 
 
 @kept(4)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from paminsa_viz.explorer.browser.bridge import Slots, finite, marker
+from paminsa_viz.explorer.browser.bridge import Slots, finite_place, marker
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, shows_difference
 from paminsa_viz.explorer.core.motion import is_drawing
@@ -158,10 +158,10 @@ class MapPicture:
         """Write at the pointer what the picture says there."""
         if pointer is None or pointer is not self._pointer or self.data is None:
             return
-        x, y, panel = finite(pointer.get("x")), finite(pointer.get("y")), pointer.get("panel")
-        if x is None or y is None or type(panel) is not int or not 0 <= panel < self.data.panels:
+        place, panel = finite_place(pointer), pointer.get("panel")
+        if place is None or type(panel) is not int or not 0 <= panel < self.data.panels:
             return
-        found = readout(self.data, panel, x / MM, y / MM)
+        found = readout(self.data, panel, place[0] / MM, place[1] / MM)
         if found is not None:
             self._session.bridge.call("showReadout", render("maps/readout.j2", readout=found))
 
