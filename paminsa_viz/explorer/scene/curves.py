@@ -44,7 +44,7 @@ def resampled(curve: ArrayLike, count: int) -> Array:
 
 
 def circles(radii: ArrayLike, count: int = 40) -> Array:
-    """Return circles about the origin of radii (k,) [m], (k, count + 1, 2), closed."""
+    """Return circles about the origin of radii (...) [m], (..., count + 1, 2), closed."""
     angle = np.linspace(0.0, 2 * np.pi, count + 1)
     return np.multiply.outer(radii, np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 

@@ -18,7 +18,7 @@ from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow
-from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.curves import circles, linear_colors, segments
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label, lines, mesh
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
@@ -196,10 +196,8 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     distance /= np.linalg.norm(edges, axis=1)
     worst = int(np.argmin(distance))
     radius = float(distance[worst]) if found.holds else 0.0
-    angle = np.linspace(0, 2 * np.pi, 49)
-    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * radius * BAR / scale
-    circle = center + np.stack([ring[:-1:2], ring[1::2]], axis=1)
-    yield lines("/forces/disc", circle, frame.state.theme.ink, 2.0)
+    dashed = segments(circles(radius * BAR / scale, 48))[::2]
+    yield lines("/forces/disc", center + dashed, frame.state.theme.ink, 2.0)
     text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale, size)})"
     yield label("/forces/polygon label", text, center - [0.0, 0.0, (ABOVE + BELOW) * size])
 

@@ -35,11 +35,16 @@ NUMBER_SIZE: Final = (16.0, 20.0)
 """Width and height of a joint's number on the screen [px]."""
 
 
+def plane_directions(configuration: Configuration) -> tuple[Array, Array]:
+    """Return the directions of the legs' planes, and those across them, (3, 3) each."""
+    c, s, zero = np.cos(configuration.beta), np.sin(configuration.beta), np.zeros(3)
+    return np.stack([c, s, zero], axis=-1), np.stack([-s, c, zero], axis=-1)
+
+
 def directions(configuration: Configuration) -> tuple[Array, Array, Array]:
     """Return the legs' axes, (3, 3) [m], and the directions of their arms and of their planes."""
     axis = configuration.points[2] * [1.0, 1.0, 0.0]
-    beta = configuration.beta
-    heading = np.stack([np.cos(beta), np.sin(beta), np.zeros(3)], axis=-1)
+    heading, _ = plane_directions(configuration)
     return axis, axis / configuration.geometry.base_radius, heading
 
 

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.scene.curves import segments
+from paminsa_viz.explorer.scene.curves import circles, segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
 from paminsa_viz.explorer.scene.sizes import symbol_size
@@ -39,9 +39,8 @@ RMS_COLOR: Final = palette.INK
 
 def shown_errors(frame: Frame) -> DriveErrors:
     """Return the errors at the pose where the robot is shown."""
-    x, y, theta, z = frame.configuration.pose.tolist()
     design = frame.shown_design
-    return _errors(design.geometry, design.accuracy, (x, y, theta, z))
+    return _errors(design.geometry, design.accuracy, frame.state.last_reachable.pose)
 
 
 @kept(8)
@@ -85,8 +84,7 @@ def rms_rings(found: DriveErrors, geometry: Geometry) -> Array:
     j, deviation = jacobian(geometry, found.pose), np.array(found.accuracy.deviations)
     root = j[[0, 1, 3]] * deviation
     u, size, _ = np.linalg.svd(root, full_matrices=False)
-    angle = np.linspace(0, 2 * np.pi, RING + 1)
-    circle, axes = np.stack([np.cos(angle), np.sin(angle)], axis=1), (u * size).T
+    circle, axes = circles(1.0, RING), (u * size).T
     return np.concatenate([segments(circle @ axes[pair]) for pair in ([0, 1], [1, 2], [2, 0])])
 
 

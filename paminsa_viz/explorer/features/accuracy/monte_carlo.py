@@ -25,8 +25,7 @@ from paminsa_viz.progress import Progress
 
 def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
     """Return what errors by manufacture depend on: lengths and tolerances, and the pose."""
-    x, y, theta, z = frame.configuration.pose.tolist()
-    return toleranced(frame.shown_design), (x, y, theta, z)
+    return toleranced(frame.shown_design), frame.state.last_reachable.pose
 
 
 def toleranced(design: Design) -> Design:

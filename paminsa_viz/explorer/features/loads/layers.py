@@ -16,7 +16,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.loads.solving import Instant, bars_at, forces_at, instant
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.hues import ForceScale, hue_colors
-from paminsa_viz.explorer.scene.mechanism import sticks
+from paminsa_viz.explorer.scene.mechanism import plane_directions, sticks
 from paminsa_viz.explorer.scene.nodes import Node, arrows, copies, label
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
@@ -50,10 +50,7 @@ def force_arrows(forces: JointForces, configuration: Configuration) -> tuple[Arr
 
     Each is the force on the body nearer to the platform, in the leg's plane; at joint 5 in space.
     """
-    beta = configuration.beta
-    zero = np.zeros(3)
-    radial = np.stack([np.cos(beta), np.sin(beta), zero], axis=-1)
-    across = np.stack([-np.sin(beta), np.cos(beta), zero], axis=-1)
+    radial, across = plane_directions(configuration)
     scale = round_scale(
         float(forces.magnitude.max()), LONGEST * symbol_size(configuration.geometry)
     )
@@ -135,8 +132,7 @@ def _label(key: str, text: str, configuration: Configuration, high: float) -> No
 def bar_lines(configuration: Configuration) -> Array:
     """Return the bars' center lines as they are drawn, beside the leg's plane, (21, 2, 3) [m]."""
     lines = sticks(configuration)[:, : len(_STICKS)].copy()
-    beta = configuration.beta
-    across = np.stack([-np.sin(beta), np.cos(beta), np.zeros(3)], axis=-1)
+    _, across = plane_directions(configuration)
     aside = np.array([LAYER.get(bar, 0.0) for bar in _STICKS])
     aside *= configuration.geometry.body_scale
     lines += aside[:, None, None] * across[:, None, None, :]

@@ -12,6 +12,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.maps import half_width
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.mechanism import plane_directions
 from paminsa_viz.explorer.scene.nodes import Node, Nodes, lines, mesh
 from paminsa_viz.kept import kept
 from paminsa_viz.model.arrays import Array
@@ -102,12 +103,11 @@ def marks(configuration: Configuration) -> Array:
     In this order: where theta_k is in its sector, the travel of joint 8, a tick at each of its
     ends, and a tick where joint 8 is.
     """
-    geometry, beta = configuration.geometry, configuration.beta
+    geometry = configuration.geometry
     size = geometry.body_scale
     axis = configuration.points[2] * [1.0, 1.0, 0.0]
     axis[:, 2] = size * ABOVE * geometry.knee.sign
-    heading = np.stack([np.cos(beta), np.sin(beta), np.zeros(3)], axis=-1)
-    across = np.stack([-np.sin(beta), np.cos(beta), np.zeros(3)], axis=-1)
+    heading, across = plane_directions(configuration)
     place8 = np.einsum("li,li->l", configuration.points[8] - axis, heading)[:, None]
     stroke = geometry.stroke
     low, high, here = (axis + end * heading for end in (-stroke, stroke, place8))

@@ -10,6 +10,7 @@ import numpy as np
 from paminsa_viz import palette
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import placed_workspace
+from paminsa_viz.explorer.scene.curves import circles
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
 from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.kept import kept
@@ -63,8 +64,7 @@ def outline(shape: WorkspaceShape, size: Place, center: Place) -> list[Array]:
         around = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)], np.float64)
         uprights = slice(0, 4)
     else:
-        angle = np.linspace(0, 2 * np.pi, CORNERS + 1)
-        around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        around = circles(1.0, CORNERS)
         uprights = slice(0, CORNERS, CORNERS // 8)
     low, high = (
         np.hstack([around, np.full((len(around), 1), side)]) * np.array(size) / 2 + center
