@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge, finite
+from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.session import Session
+from paminsa_viz.explorer.kit.entries import Custom
 from paminsa_viz.palette import Theme
 from paminsa_viz.plots.series_uplot import (
     Chart,
@@ -65,6 +69,55 @@ class MotionChart:
             self.handle = self._gui.add_uplot(
                 series, **uplot_options(shape), height=self._height, order=self._order
             )
+
+
+def draw_charts(places: Sequence[MotionChart], charts: Sequence[Chart], theme: Theme) -> None:
+    """Show charts in their places, of which some may be left over."""
+    for index, place in enumerate(places):
+        place.draw(charts[index] if index < len(charts) else None, theme)
+
+
+class MotionCharts:
+    """Two charts, drawn when there is something to show and nothing is dragged."""
+
+    def __init__(
+        self,
+        session: Session,
+        *,
+        shown: Callable[[Frame], tuple[Any, ...] | None],
+        charts: Callable[..., Sequence[Chart]],
+    ) -> None:
+        """Prepare the charts in the current container.
+
+        Args:
+            session: The session.
+            shown: What they show, the arguments of ``charts``; None for nothing.
+            charts: Makes them.
+        """
+        gui = session.client.gui
+        place = gui.add_folder(None)
+        self._places = tuple(MotionChart(gui, place, order, LOWEST) for order in (0.0, 1.0))
+        self._shown, self._charts = shown, charts
+        self._drawn: tuple[object, ...] = ()
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Draw what has changed."""
+        if dragging:
+            return
+        shown, theme = self._shown(frame), frame.state.theme
+        if (shown, theme) == self._drawn:
+            return
+        self._drawn = (shown, theme)
+        draw_charts(self._places, () if shown is None else self._charts(*shown), theme)
+
+
+def motion_charts(
+    key: str,
+    shown: Callable[[Frame], tuple[Any, ...] | None],
+    charts: Callable[..., Sequence[Chart]],
+) -> Custom:
+    """Return the entry of `MotionCharts`."""
+    return Custom(key, make=partial(MotionCharts, shown=shown, charts=charts))
 
 
 class TimeCursor:

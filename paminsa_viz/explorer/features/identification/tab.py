@@ -11,13 +11,12 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.identification import actions
 from paminsa_viz.explorer.features.identification import texts as text
 from paminsa_viz.explorer.features.identification.files import excitation_csv, identification_table
-from paminsa_viz.explorer.kit.curves import LOWEST, MotionChart
+from paminsa_viz.explorer.kit.curves import motion_charts
 from paminsa_viz.explorer.kit.downloads import export, table_buttons
 from paminsa_viz.explorer.kit.entries import (
     Answer,
     Button,
     ButtonGroup,
-    Custom,
     Effect,
     Entry,
     Folder,
@@ -32,6 +31,7 @@ from paminsa_viz.explorer.state.identification import IdentifySettings, parse_ga
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.logs import parse_log
 from paminsa_viz.files.table_reader import UPLOAD_TIMEOUT, uploaded_table
+from paminsa_viz.identification import Identification
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.plots.identification_series import log_charts
 from paminsa_viz.units import counted
@@ -55,26 +55,10 @@ def _open(place: str, session: Session, name: str, content: bytes) -> None:
     )  # fmt: skip
 
 
-class _Charts:
-    """Measured and predicted torque of an actuator, and the residual."""
-
-    def __init__(self, session: Session) -> None:
-        gui = session.client.gui
-        place = gui.add_folder(None)
-        self._charts = tuple(MotionChart(gui, place, order, LOWEST) for order in (0.0, 1.0))
-        self._drawn: tuple[object, ...] = ()
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Draw what has changed."""
-        own = frame.state.identification
-        found = own.result
-        key = (found, own.actuator, frame.state.theme)
-        if dragging or key == self._drawn:
-            return
-        self._drawn = key
-        charts = (None, None) if found is None else log_charts(found.identification, own.actuator)
-        for chart, data in zip(self._charts, charts, strict=True):
-            chart.draw(data, frame.state.theme)
+def _shown(frame: Frame) -> tuple[Identification, int] | None:
+    """Return what the charts show: an identification, and one of the actuators; None for none."""
+    own = frame.state.identification
+    return None if own.result is None else (own.result.identification, own.actuator)
 
 
 def _found(state: State) -> bool:
@@ -123,7 +107,7 @@ FOUND: tuple[Entry, ...] = (
         options={name: j for j, name in enumerate(ACTUATORS)},
         **attribute("identification.actuator"),
     ),
-    Custom("identify.charts", make=_Charts),
+    motion_charts("identify.charts", _shown, log_charts),
     Html("identify.numbers", content=text.numbers_html, idle=True),
     Html("identify.checks", content=text.checks_html, idle=True),
     Html("identify.causes", content=text.causes_html, idle=True),

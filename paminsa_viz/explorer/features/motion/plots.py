@@ -19,7 +19,7 @@ from paminsa_viz.explorer.features.motion.engine import ask_engine
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.features.motion.tab import ACTUATORS, status_line
 from paminsa_viz.explorer.kit.bindings import Panel
-from paminsa_viz.explorer.kit.curves import PLACE, MotionChart, TimeCursor
+from paminsa_viz.explorer.kit.curves import PLACE, MotionChart, TimeCursor, draw_charts
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.kit.text import render
@@ -158,8 +158,7 @@ class MotionPlots:
         self._read = {
             trace: measure(chart.t, trace) for chart in self._drawn for trace in chart.traces
         }
-        for index, chart in enumerate(self.charts):
-            chart.draw(self._drawn[index] if index < len(self._drawn) else None, state.theme)
+        draw_charts(self.charts, self._drawn, state.theme)
         self._caption.content = caption_html(state, found, self._drawn)
 
 

@@ -12,19 +12,19 @@ from paminsa_viz.clearance import clearance_reason
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
+from paminsa_viz.explorer.core.motion_results import MotionResults
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion import point_entries as motion_points
 from paminsa_viz.explorer.features.motion.crossing import chart_html, crossing_html
 from paminsa_viz.explorer.features.motion.description import DESCRIPTION, LIMIT_LABELS
 from paminsa_viz.explorer.features.motion.layers import path_scale
-from paminsa_viz.explorer.features.motion.simulated import SimulationCharts
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION, show_simulation, simulate
+from paminsa_viz.explorer.kit.curves import motion_charts
 from paminsa_viz.explorer.kit.design_numbers import of_size
 from paminsa_viz.explorer.kit.entries import (
     Answer,
     Button,
     ButtonGroup,
-    Custom,
     Entry,
     Folder,
     Html,
@@ -38,6 +38,8 @@ from paminsa_viz.explorer.scene.hues import hue_gradient
 from paminsa_viz.explorer.state.motion import SPEEDS
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_uplot import Chart, charts
 from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
 from paminsa_viz.units import number
 
@@ -159,6 +161,17 @@ def simulation_html(frame: Frame) -> str:
     return status("simulation", level, title, *lines)
 
 
+def _simulated(frame: Frame) -> tuple[MotionResults] | None:
+    """Return what the charts show, or None as long as nothing was simulated."""
+    found = frame.motions.all(frame.state)
+    return None if found is None or found.sources.simulation is None else (found,)
+
+
+def _error_charts(found: MotionResults) -> tuple[Chart, ...]:
+    """Return how far the robot is from where it should be, in position and heading, over time."""
+    return charts(build_series("errors", found.sources))
+
+
 _setting = SettingInputs("simulation", "simulation.settings", SimulationSettings)
 
 SIMULATING: tuple[Entry, ...] = (
@@ -196,7 +209,7 @@ SIMULATING: tuple[Entry, ...] = (
                 },
                 hint="In “Motion plots”, with the instant and the numbers of each curve",
             ),
-            Custom("simulation.charts", make=SimulationCharts),
+            motion_charts("simulation.charts", _simulated, _error_charts),
         ),
     ),
 )  # fmt: skip
@@ -204,7 +217,7 @@ SIMULATING: tuple[Entry, ...] = (
 
 MOTION: tuple[Entry, ...] = (
     Message(motion_points.SELECT, receive=motion_points.receive_row),
-    Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
+    Html("playback.mark", content='<span class="paminsa-playback"></span>'),
     Message("motion limits", receive=_to_limits),
     Html("motion.status", content=status_html),
     *PLAYBACK,

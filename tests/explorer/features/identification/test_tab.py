@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any, cast
-from unittest.mock import MagicMock
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,10 +27,7 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import make_log
 from paminsa_viz.model import InvalidInput, PaminsaError, static_imbalance
-from paminsa_viz.palette import DARK, LIGHT
 from paminsa_viz.plots.identification_series import log_charts
-from paminsa_viz.plots.series import Trace
-from paminsa_viz.plots.series_uplot import Chart
 from tests.support.desk import Desk
 from tests.support.raw_page import upload_messages
 from tests.support.tables import assert_parts
@@ -92,23 +87,6 @@ def test_charts_are_of_the_log_and_its_prediction(found: State) -> None:
         measured, predicted = (trace.values for trace in torque.traces)
         np.testing.assert_allclose(measured, one.measured[:, actuator])
         np.testing.assert_allclose(rest.traces[0].values, measured - predicted, atol=1e-12)
-
-
-def test_charts_have_the_letters_and_lines_of_the_theme(monkeypatch: pytest.MonkeyPatch) -> None:
-    t = np.array([0.0, 1.0])
-    predicted = Trace("predicted", t, LIGHT.ink, "dashed", 0.9)
-    chart = Chart("τ", "N·m", t, (predicted,), np.zeros(2, dtype=bool), 2)
-    monkeypatch.setattr(identify_panel, "log_charts", lambda *_: (chart, chart))
-    gui = MagicMock()
-    charts = identify_panel._Charts(cast(Any, SimpleNamespace(client=SimpleNamespace(gui=gui))))
-    own = SimpleNamespace(result=SimpleNamespace(identification=None), actuator=0)
-    for theme in (LIGHT, DARK, LIGHT):
-        state = SimpleNamespace(identification=own, theme=theme)
-        charts.draw(cast(Any, SimpleNamespace(state=state)), dragging=False)
-        made = gui.add_uplot.call_args.kwargs
-        assert made["axes"][0]["stroke"] == theme.muted
-        assert theme.ink in [one.get("stroke") for one in made["series"]]
-    assert gui.add_uplot.call_count == 6
 
 
 @pytest.mark.slow
