@@ -15,7 +15,7 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mechanism import build_mechanism
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.explorer.features.motion.simulation import run as simulate
-from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
+from paminsa_viz.explorer.state.simulation import SimulationJob, SimulationSettings
 from paminsa_viz.identification.filtering import filter_log
 from paminsa_viz.identification.log import make_log
 from paminsa_viz.model import APPENDIX_4, home_pose, inverse_kinematics
@@ -115,7 +115,7 @@ def payload(kilograms: float) -> None:
     rest = np.zeros((2, 4))
     still = Trajectory(np.array([0.0, 0.01]), rest + home_pose(APPENDIX_4.geometry), rest, rest)
     design = APPENDIX_4.vary({"payload.mass": 1.234567})
-    simulate(make_job(design, still, SimulationSettings(payload_mismatch=kilograms)), go_on)
+    simulate(SimulationJob(design, still, SimulationSettings(payload_mismatch=kilograms)), go_on)
 
 
 def backlash(degrees: float) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.settings import MILLIMETERS, Settings, followed, setting
-from paminsa_viz.model import Design, Geometry, InvalidInput
+from paminsa_viz.model import Design, Geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.model.resizing import length_ratio
@@ -30,9 +30,6 @@ from paminsa_viz.trajectory import (
 
 if TYPE_CHECKING:
     from paminsa_viz.engines.verification import Comparison
-
-LONGEST = 60.0
-"""Longest motion that is simulated on the page [s]."""
 
 
 @dataclass(frozen=True)
@@ -111,21 +108,6 @@ class SimulationState(TaskState[SimulationJob, Simulation]):
 
     settings: SimulationSettings = field(default_factory=SimulationSettings)
     shown: bool = True
-
-
-def make_job(
-    design: Design, trajectory: Trajectory | None, settings: SimulationSettings
-) -> SimulationJob:
-    """Return a job.
-
-    Raises:
-        InvalidInput: If there is no motion, or it is too long.
-    """
-    if trajectory is None:
-        raise InvalidInput("motion", "there is none to simulate yet")
-    if trajectory.duration > LONGEST:
-        raise InvalidInput("motion", f"at most {LONGEST:g} s can be simulated here")
-    return SimulationJob(design, trajectory, settings)
 
 
 @dataclass(frozen=True, eq=False)

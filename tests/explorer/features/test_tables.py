@@ -80,5 +80,5 @@ def test_robots_drawn_at_random_are_those_that_the_command_prints() -> None:
     state = frame_at(random_poses(random, design)[0], design).state
     state = state.updated("monte_carlo.settings", robots=20, seed=3)
     state = finished(monte_carlo.DRAW, monte_carlo.DRAW.start(state))
-    blocks = accuracy.robots_blocks(monte_carlo.DRAW.required(state, "", ""))
+    blocks = accuracy.robots_blocks(monte_carlo.DRAW.required(state, "", "")[1])
     assert_parts(monte_carlo.monte_carlo_html(compute(state)), blocks)

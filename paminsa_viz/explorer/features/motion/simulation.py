@@ -11,13 +11,16 @@ from paminsa_viz.explorer.core.simulated import shown_simulation
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.motion import SIMULATED
 from paminsa_viz.explorer.state.outcome import Outcome
-from paminsa_viz.explorer.state.simulation import SimulationJob, make_job
+from paminsa_viz.explorer.state.simulation import SimulationJob
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.progress import Progress
 from paminsa_viz.trajectory import Simulation
 from paminsa_viz.trajectory import simulate as simulate_motion
 from paminsa_viz.units import format_value
+
+LONGEST = 60.0
+"""Longest motion that is simulated on the page [s]."""
 
 
 def wanted_job(state: State) -> SimulationJob:
@@ -26,8 +29,12 @@ def wanted_job(state: State) -> SimulationJob:
     Raises:
         InvalidInput: If there is no motion, or it is too long.
     """
-    settings = state.simulation.settings
-    return make_job(state.document.design, planned(state).trajectory, settings)
+    trajectory = planned(state).trajectory
+    if trajectory is None:
+        raise InvalidInput("motion", "there is none to simulate yet")
+    if trajectory.duration > LONGEST:
+        raise InvalidInput("motion", f"at most {LONGEST:g} s can be simulated here")
+    return SimulationJob(state.document.design, trajectory, state.simulation.settings)
 
 
 def run(job: SimulationJob, progress: Progress) -> Simulation:

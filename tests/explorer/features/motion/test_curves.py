@@ -24,7 +24,7 @@ from paminsa_viz.explorer.features.motion.simulation import run
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.state.outcome import solve
-from paminsa_viz.explorer.state.simulation import SimulationSettings, make_job
+from paminsa_viz.explorer.state.simulation import SimulationJob, SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput, Misprint
 from paminsa_viz.palette import MUTED
@@ -245,7 +245,8 @@ def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> No
 def test_impossible_load_or_path_of_a_simulation_is_explained(failing: State) -> None:
     motion = motions.planned(initial_state()).trajectory
     design = initial_state().document.design
-    lighter = make_job(design, motion, SimulationSettings(payload_mismatch=-1.0))
+    assert motion is not None
+    lighter = SimulationJob(design, motion, SimulationSettings(payload_mismatch=-1.0))
     needed = "payload mismatch: at least 0 kg is needed: no payload is left then"
     assert solve(run, lighter).problem == needed
     loaded = design.vary({"payload.mass": 2.0})
