@@ -40,6 +40,9 @@ LAYOUT: dict[str, Any] = {
     "legend": {"x": 1, "y": 1, "xanchor": "right", "bgcolor": "rgba(255,255,255,0.7)"},
 }  # fmt: skip
 
+LEGEND_ABOVE: dict[str, Any] = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
+"""Place of a legend that would lie over points."""
+
 NUMBERS = ("", "2", "3")
 """Of y axes above each other, as Plotly counts them."""
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.explorer.features.calibration.actions import CALIBRATE
-from paminsa_viz.explorer.kit.chart import Tree, figure
+from paminsa_viz.explorer.kit.chart import LEGEND_ABOVE, Tree, figure
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import INK, MUTED
@@ -53,8 +53,8 @@ def residual_figure(found: Calibration) -> Tree:
                 "hovertemplate": f"pose %{{x}}, {name}: %{{y:.3~r}} {unit}<extra></extra>",
             }  # fmt: skip
             data.append(trace)
-    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
-    shown = figure(data, "measured pose", "position [µm]", "heading [″]", legend=legend)
+    titles = ("measured pose", "position [µm]", "heading [″]")
+    shown = figure(data, *titles, legend=LEGEND_ABOVE)
     for axis in ("yaxis", "yaxis2"):
         shown["layout"][axis] |= {"type": "log", "tickformatstops": [], "dtick": 1}
     return shown

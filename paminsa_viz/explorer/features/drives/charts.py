@@ -13,7 +13,7 @@ from paminsa_viz.actuation.selection import DriveFigures, cloud
 from paminsa_viz.blocks.drives import RPM
 from paminsa_viz.explorer.core.motion_results import in_piece
 from paminsa_viz.explorer.core.planning import planned
-from paminsa_viz.explorer.kit.chart import Tree, figure
+from paminsa_viz.explorer.kit.chart import LEGEND_ABOVE, Tree, figure
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.drive import ACTUATORS
@@ -156,5 +156,4 @@ def chart_figure(
             "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": HOVER,
         }
     )  # fmt: skip
-    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
-    return figure(data, "motor speed [rpm]", "motor torque [N·m]", legend=legend)
+    return figure(data, "motor speed [rpm]", "motor torque [N·m]", legend=LEGEND_ABOVE)

@@ -144,8 +144,7 @@ def volume_file(state: State, kind: str) -> File:
         volume = known.result.volume
     else:
         volume = solve_volume(document.design, document.requirements)
-    parts = ("paminsa", plain(document.design.name), "volume")
-    return File("_".join(part for part in parts if part) + f".{kind}", volume_bytes(volume, kind))
+    return File(file_name(state, "volume", kind, ""), volume_bytes(volume, kind))
 
 
 def motion_figure_kind(state: State) -> FigureKind:
