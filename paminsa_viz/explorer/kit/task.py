@@ -94,16 +94,16 @@ class Task(Generic[Job, Result]):
         outcome = self.outcome(state)
         return None if outcome is None else outcome.result
 
-    def required(self, state: State, what: str, problem: str) -> Result:
-        """Return what the last job found.
+    def required(self, state: State, what: str, problem: str) -> tuple[Job, Result]:
+        """Return the last job and what it found.
 
         Raises:
             InvalidInput: If there is nothing.
         """
-        found = self.result(state)
-        if found is None:
+        outcome = self.outcome(state)
+        if outcome is None or outcome.result is None:
             raise InvalidInput(what, problem)
-        return found
+        return outcome.job, outcome.result
 
     def changes(self, state: State) -> tuple[str, ...]:
         """Return what the last outcome depends on that has changed since, in words."""
@@ -134,10 +134,10 @@ class Task(Generic[Job, Result]):
         """Return what has changed since the last outcome, as a sentence; empty if it holds."""
         return sentence(self.changes(state))
 
-    def text(self, state: State, testid: str, running: str, failed: str) -> str | None:
-        """Return that the task runs, or why there is nothing; None where a result is to be shown.
+    def text(self, state: State, testid: str, running: str, failed: str) -> str:
+        """Return that the task runs, or why there is nothing.
 
-        It is empty as long as nothing was started.
+        It is empty as long as nothing was started, and where a result is to be shown.
 
         Args:
             state: The state.
@@ -148,11 +148,9 @@ class Task(Generic[Job, Result]):
         outcome = self.outcome(state)
         if self.runs(state):
             return status(testid, "plain", running)
-        if outcome is None:
+        if outcome is None or outcome.result is not None:
             return ""
-        if outcome.result is None:
-            return status(testid, "bad", failed, outcome.problem, self.stale_text(state))
-        return None
+        return status(testid, "bad", failed, outcome.problem, self.stale_text(state))
 
     def buttons(self, start: Button) -> tuple[Button, ProgressBar, Button]:
         """Return its button and, while it runs, its progress and a button that stops it."""

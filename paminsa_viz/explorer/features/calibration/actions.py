@@ -28,7 +28,7 @@ from paminsa_viz.precision import (
 )
 from paminsa_viz.precision.leg_lengths import deviation_array, lengths_only
 from paminsa_viz.precision.measurements import InvalidMeasurement
-from paminsa_viz.progress import Canceled, Progress
+from paminsa_viz.progress import Canceled, Progress, go_on
 from paminsa_viz.units import display_unit, number
 
 EXAMPLE_POSES = 60
@@ -110,7 +110,7 @@ def use_example(state: State) -> State:
     if plan is None:
         plan = propose_poses(
             replace(_proposal_job(state), settings=replace(own, poses=EXAMPLE_POSES)),
-            lambda done, **known: False,
+            go_on,
         )
     found = simulated_measurements(
         design, plan.measurements, size=EXAMPLE_SIZE, noise=own.noise, seed=own.seed
@@ -138,14 +138,13 @@ def calibrated_design(state: State) -> Design:
     Raises:
         InvalidInput: If there are none, or they are not of the design's lengths.
     """
-    found = CALIBRATE.required(state, "measured poses", "nothing has been calibrated yet")
-    design, outcome = state.document.design, CALIBRATE.outcome(state)
+    job, found = CALIBRATE.required(state, "measured poses", "nothing has been calibrated yet")
+    design = state.document.design
     if design.geometry != found.start.geometry:
         raise InvalidInput(
             "lengths", "they have changed since the calibration; calibrate again, or undo"
         )
-    source = "measured poses" if outcome is None else outcome.job.measured.name
-    name = f"Calibrated from {printable(source)}"[:NAME_CHARACTERS]
+    name = f"Calibrated from {printable(job.measured.name)}"[:NAME_CHARACTERS]
     return replace(with_deviations(design, deviation_array(found.design)), name=name)
 
 

@@ -23,12 +23,8 @@ def poses_csv(state: State) -> File:
     Raises:
         InvalidInput: If none are proposed.
     """
-    plan, outcome = (
-        PROPOSE.required(state, "poses", "none are proposed yet"),
-        PROPOSE.outcome(state),
-    )
-    assert outcome is not None
-    table = measurement_table(plan.measurements, seed=str(outcome.job.settings.seed))
+    job, plan = PROPOSE.required(state, "poses", "none are proposed yet")
+    table = measurement_table(plan.measurements, seed=str(job.settings.seed))
     return File("paminsa_poses-to-measure.csv", table_bytes(table, "csv"))
 
 
@@ -52,10 +48,8 @@ def calibration_csv(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If nothing has been calibrated.
     """
-    found = CALIBRATE.required(state, "measured poses", "nothing has been calibrated yet")
-    outcome = CALIBRATE.outcome(state)
-    assert outcome is not None
-    measured = outcome.job.measured
+    job, found = CALIBRATE.required(state, "measured poses", "nothing has been calibrated yet")
+    measured = job.measured
     table = (
         lengths_table(found, measured.name)
         if kind == "lengths"

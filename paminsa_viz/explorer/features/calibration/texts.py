@@ -37,7 +37,7 @@ def proposal_status_html(frame: Frame) -> str:
     """Return what the proposed poses will tell, in a box."""
     state, plan = frame.state, PROPOSE.result(frame.state)
     if plan is None or PROPOSE.runs(state):
-        return PROPOSE.text(state, "calibrate-proposed", "Choosing poses …", "No poses") or ""
+        return PROPOSE.text(state, "calibrate-proposed", "Choosing poses …", "No poses")
     known = int((plan.half_widths < KNOWN).sum())
     shown, alone = len(plan.half_widths), int(plan.determined.sum())
     best, worst = _length(float(plan.half_widths[0])), _length(float(plan.half_widths[-1]))
@@ -86,7 +86,7 @@ def status_html(frame: Frame) -> str:
     """Return how the calibration went, in a box."""
     state, found = frame.state, CALIBRATE.result(frame.state)
     if found is None or CALIBRATE.runs(state):
-        return CALIBRATE.text(state, "calibrate-status", "Calibrating …", "Not calibrated") or ""
+        return CALIBRATE.text(state, "calibrate-status", "Calibrating …", "Not calibrated")
     held = bool(found.after_held.poses)
     old, new = (found.before_held, found.after_held) if held else (found.before, found.after)
     kind = "held-back" if held else "fitted"

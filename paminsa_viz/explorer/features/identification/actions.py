@@ -65,7 +65,8 @@ def findings(state: State) -> Findings:
     Raises:
         InvalidInput: If there is nothing.
     """
-    return IDENTIFY.required(state, "log", "nothing has been identified yet")
+    _, found = IDENTIFY.required(state, "log", "nothing has been identified yet")
+    return found
 
 
 def use_design(state: State) -> State:
@@ -74,9 +75,8 @@ def use_design(state: State) -> State:
     Raises:
         InvalidInput: If there are none.
     """
-    found, outcome = findings(state), IDENTIFY.outcome(state)
-    log = "a log" if outcome is None else outcome.job.log.name
-    name = f"Identified from {printable(log)}"[:NAME_CHARACTERS]
+    found = findings(state)
+    name = f"Identified from {printable(found.identification.log.name)}"[:NAME_CHARACTERS]
     return with_design(state, replace(found.nearest.design, name=name))
 
 
@@ -89,8 +89,8 @@ def use_log_motion(state: State) -> State:
     return motions.play(motions.use_table(state, findings(state).motion))
 
 
-def excitation(state: State) -> Excitation:
-    """Return the motion that the last search found.
+def excitation(state: State) -> tuple[ExcitationJob, Excitation]:
+    """Return the last search for a motion, and the motion that it found.
 
     Raises:
         InvalidInput: If there is none.
@@ -104,4 +104,5 @@ def use_excitation(state: State) -> State:
     Raises:
         InvalidInput: If there is none.
     """
-    return motions.use_table(state, excitation(state).plan.sample(EXPORT_RATE))
+    _, found = excitation(state)
+    return motions.use_table(state, found.plan.sample(EXPORT_RATE))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.explorer.features.identification.actions import SEARCH, excitation, findings
+from paminsa_viz.explorer.features.identification.actions import excitation, findings
 from paminsa_viz.explorer.kit.downloads import File, plain
 from paminsa_viz.explorer.state.identification import EXPORT_RATE
 from paminsa_viz.explorer.state.state import State
@@ -28,7 +28,6 @@ def excitation_csv(state: State) -> File:
     Raises:
         InvalidInput: If there is none.
     """
-    found, outcome = excitation(state), SEARCH.outcome(state)
-    assert outcome is not None
-    table = excitation_table(outcome.job.design, found, EXPORT_RATE)
+    job, found = excitation(state)
+    table = excitation_table(job.design, found, EXPORT_RATE)
     return File("paminsa_excitation.csv", table_bytes(table, "csv"))

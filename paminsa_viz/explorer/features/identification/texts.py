@@ -34,7 +34,7 @@ def status_html(frame: Frame) -> str:
     """Return how the identification went, in a box."""
     state, found = frame.state, IDENTIFY.result(frame.state)
     if found is None or IDENTIFY.runs(state):
-        return IDENTIFY.text(state, "identify-status", "Identifying …", "Not identified") or ""
+        return IDENTIFY.text(state, "identify-status", "Identifying …", "Not identified")
     lines = [f"{cause.text}: {cause_size(cause)}" for cause in found.causes.named]
     if found.identification.identity.holds is False:
         lines.append("the masses' identity fails: a spring, or another law")

@@ -26,7 +26,7 @@ def lengths_html(frame: Frame) -> str:
     """Return the spread of the peak torque from the tolerance of lengths."""
     state, found = frame.state, DRAW.result(frame.state)
     if found is None or DRAW.runs(state):
-        return DRAW.text(state, "tolerance", "Computing …", "No sample") or ""
+        return DRAW.text(state, "tolerance", "Computing …", "No sample")
     blocks = length_tolerance_blocks(found, table_decimals(frame.shown_design))
     return blocks_html("tolerance", *blocks, bold=[1], stale=DRAW.stale_text(state))
 

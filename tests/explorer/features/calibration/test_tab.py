@@ -38,7 +38,7 @@ def calibrated(proposed: State) -> State:
 
 
 def test_proposed_poses_are_written_as_the_table_that_is_read_again(proposed: State) -> None:
-    plan = actions.PROPOSE.required(proposed, "", "")
+    _, plan = actions.PROPOSE.required(proposed, "", "")
     table = files.poses_csv(proposed)
     again = parse_measurements(uploaded_table(table.name, table.content), table.name)
     np.testing.assert_allclose(again.measurements.poses, plan.measurements.poses, rtol=1e-12)
@@ -50,7 +50,7 @@ def test_proposed_poses_are_written_as_the_table_that_is_read_again(proposed: St
 
 @pytest.mark.slow
 def test_calibration_predicts_held_back_poses_of_the_example(calibrated: State) -> None:
-    found = actions.CALIBRATE.required(calibrated, "", "")
+    _, found = actions.CALIBRATE.required(calibrated, "", "")
     assert found.held.sum() >= 4
     assert np.linalg.norm(found.after_held.rms[:2]) < 0.1 * np.linalg.norm(
         found.before_held.rms[:2]
@@ -76,7 +76,7 @@ def test_lengths_become_the_designs_own_and_its_files(calibrated: State) -> None
     used = actions.use_design(calibrated)
     design = used.document.design
     assert design.name == "Calibrated from example"
-    found = actions.CALIBRATE.required(calibrated, "", "")
+    _, found = actions.CALIBRATE.required(calibrated, "", "")
     np.testing.assert_array_equal(deviation_array(design), deviation_array(found.design))
     assert np.abs(deviation_array(design)).max() < 4 * EXAMPLE_SIZE
     needed = Requirements((Requirement("condition", high=8.0),))
@@ -101,7 +101,7 @@ def test_lengths_of_another_design_are_refused(calibrated: State) -> None:
 
 
 def test_too_few_poses_are_refused_in_a_line(proposed: State) -> None:
-    measured = actions.PROPOSE.required(proposed, "", "").measurements
+    measured = actions.PROPOSE.required(proposed, "", "")[1].measurements
     few = replace(measured, poses=measured.poses[:5], actuators=measured.actuators[:5])
     state = finished(actions.CALIBRATE, actions.use_measured(proposed, MeasuredPoses("few", few)))
     assert "at least 8 poses are needed" in texts.status_html(compute(state))

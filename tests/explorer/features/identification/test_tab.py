@@ -253,7 +253,7 @@ def test_motion_is_offered_with_its_limits_and_becomes_the_current_one() -> None
     text = identify_text.excitation_html(compute(state))
     assert "condition number" in text
     assert "pv-bad-text" not in text
-    assert_parts(text, [limits_table(actions.SEARCH.required(state, "", ""))])
+    assert_parts(text, [limits_table(actions.excitation(state)[1])])
     used = actions.use_excitation(state)
     motion = planned(used.document.motion, used.document.design).trajectory
     assert motion is not None
