@@ -15,6 +15,7 @@ from typing import Any
 from paminsa_viz.codegen.javascript import FLOOR_MOD, JavaScript
 from paminsa_viz.codegen.printer import Printer
 from paminsa_viz.dimensions.layout import frame_lengths, platform_range
+from paminsa_viz.explorer.browser import SOFTWARE_RENDERERS
 from paminsa_viz.explorer.core import persistence
 from paminsa_viz.explorer.features.one_file.motions import motions_data
 from paminsa_viz.explorer.features.pose.tab import LEAST_STEPS, POSE, grain
@@ -166,6 +167,7 @@ def _data(document: Document) -> dict[str, Any]:
             for group in design_numbers.GROUPS
             if group.tab in SHOWN_TABS
         ],
+        "softwareRenderers": SOFTWARE_RENDERERS,
         "onlyServed": ONLY_SERVED,
     }
 

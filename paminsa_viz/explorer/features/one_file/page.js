@@ -254,39 +254,29 @@
       lastSource = "";
     },
   });
-  const view = createView(find("robot"), {
-    shown: () => shown,
+  /** What moves the platform for a while, under a name, and what ends that. */
+  const mover = (source) => ({
     request: () => request(),
     move: (changes) => {
       moving = true;
-      move(changes, "handle");
+      move(changes, source);
     },
     release: () => {
       moving = false;
       lastSource = "";
     },
   });
-  for (const name of Object.keys(PRESETS)) {
+  const view = createView(find("robot"), { shown: () => shown, ...mover("handle") });
+  find("views").prepend(...Object.keys(PRESETS).map((name) => {
     const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
     button.addEventListener("click", () => view.look(name));
-    find("views").prepend(button);
-  }
-  find("views").prepend(...[...find("views").querySelectorAll("button")].reverse());
+    return button;
+  }));
   for (const id of ["floor", "kind"]) find(id).addEventListener("change", () => request());
   for (const id of ["robot", "views"]) find(id).hidden = view.isMissing;
   find("flat").hidden = !view.isMissing;
 
-  const playback = createPlayback({
-    current, say, request: () => request(),
-    move: (changes) => {
-      moving = true;
-      move(changes, "motion");
-    },
-    release: () => {
-      moving = false;
-      lastSource = "";
-    },
-  });
+  const playback = createPlayback({ current, say, ...mover("motion") });
 
   let waiting = 0;
   const request = () => {

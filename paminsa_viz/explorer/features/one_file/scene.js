@@ -97,6 +97,8 @@ const arrowPoints = () => [0, 1, 2, 3].flatMap((quarter) => {
   return [[1.08, -0.2], [1.48, 0], [1.08, 0.2]].flatMap(([x, y]) => [c * x - s * y, s * x + c * y, 0]);
 });
 
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
 /** Return the camera of a view: its place, its axes and its matrix. */
 const cameraOf = (view, aspect) => {
   const [ca, sa, ce, se] = [
@@ -106,7 +108,6 @@ const cameraOf = (view, aspect) => {
   const right = [-sa, ca, 0];
   const up = [-se * ca, -se * sa, ce];
   const eye = view.look.map((part, axis) => part + view.distance * back[axis]);
-  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const far = view.distance + 2 * view.size;
   const near = Math.max(view.distance - 2 * view.size, far / 1000);
   const f = 1 / Math.tan(FIELD_OF_VIEW / 2);
@@ -148,7 +149,6 @@ const fittedView = (robot, azimuth, elevation, aspect) => {
   const points = outlineOf(robot);
   const { right, up, back } = cameraOf(
     { azimuth, elevation, look: [0, 0, 0], distance: 1, size: 1 }, aspect);
-  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const tangent = 0.94 * Math.tan(FIELD_OF_VIEW / 2);
   let look = [0, 1, 2].map((axis) =>
     points.reduce((sum, point) => sum + point[axis], 0) / points.length);
@@ -195,7 +195,8 @@ const createScene = (canvas, lost) => {
   const gl = canvas.getContext("webgl2", { antialias: false });
   if (!gl) return null;
   // Without a graphics card the processor draws: fewer pixels while the robot moves.
-  const isSoftware = /swiftshader|llvmpipe|software|basic render/i.test(rendererOf(gl));
+  const renderer = rendererOf(gl).toLowerCase();
+  const isSoftware = PAGE.softwareRenderers.some((part) => renderer.includes(part));
   const MATERIALS = Object.keys(PAGE.meshes.materials);
   let solid, flat, meshes, shapes, texture, stretchedFor, textureFor;
 

@@ -62,7 +62,6 @@ const createView = (canvas, { shown, request, move, release }) => {
     const t = Math.tan(FIELD_OF_VIEW / 2);
     const ray = [0, 1, 2].map((axis) => -camera.back[axis]
       + (2 * u - 1) * t * camera.aspect * camera.right[axis] + (1 - 2 * v) * t * camera.up[axis]);
-    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     const slope = dot(ray, normal);
     const far = dot(point.map((part, axis) => part - camera.eye[axis]), normal) / slope;
     if (!(far > 0) || Math.abs(slope) < 0.02) return null;
