@@ -119,7 +119,7 @@ def arrows(
     points: ArrayLike,
     color: str,
     sizes: tuple[float, float, float],
-    times: float = 1.0,
+    times: float,
 ) -> Node:
     """Return arrows (n, 2, 3) [m].
 

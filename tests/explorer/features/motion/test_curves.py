@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.clearance import motion_job
 from paminsa_viz.explorer.core.frame import compute
-from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore, split_path
+from paminsa_viz.explorer.core.motion_results import MotionStore, split_path
 from paminsa_viz.explorer.features.clearance.actions import find_along
 from paminsa_viz.explorer.features.export import exports
 from paminsa_viz.explorer.features.motion import plots, simulation
@@ -32,6 +32,7 @@ from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
+from tests.explorer.features.motion.engine_motions import analyzed
 from tests.support.charts import shown_curve
 from tests.support.samples import prototype_times
 from tests.support.tasks import delivered
@@ -52,14 +53,8 @@ def failing() -> State:
     return motions.change(state, **ends, back=True)
 
 
-def results(state: State) -> MotionResults:
-    found = MotionStore().all(state)
-    assert found is not None
-    return found
-
-
 def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> None:
-    found = results(state)
+    found = analyzed(state)
     turning, lifting = drawn_charts(state, found)
     motion, design = found.analysis.trajectory, state.document.design
     assert state.document.reference is not None
@@ -86,9 +81,9 @@ def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> 
 def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
     state = replace(state, plots=PlotView(plot, actuator=2, published=True))
     if plot == "clearance":  # which is found in the background
-        job = motion_job(state, results(state).analysis)
+        job = motion_job(state, analyzed(state).analysis)
         state = state.updated("clearance", motion=solve(find_along, job))
-    drawn = drawn_charts(state, results(state))
+    drawn = drawn_charts(state, analyzed(state))
     assert drawn
     for chart in drawn:
         for trace in chart.traces:
@@ -108,7 +103,7 @@ def test_masses_reuse_the_solved_motion_and_the_reference(state: State) -> None:
 
 
 def test_drawn_points_are_few_and_keep_peaks_and_gaps(failing: State) -> None:
-    for chart in drawn_charts(failing, results(failing)):
+    for chart in drawn_charts(failing, analyzed(failing)):
         shape = series_uplot.chart_shape(chart)
         assert shape.pieces == 2
         series = series_uplot.uplot_data(chart, shape.pieces)
@@ -125,7 +120,7 @@ def test_drawn_points_are_few_and_keep_peaks_and_gaps(failing: State) -> None:
 
 
 def test_numbers_of_a_failing_motion_are_of_all_that_is_drawn(failing: State) -> None:
-    found = results(failing)
+    found = analyzed(failing)
     assert found.analysis.check.until < found.analysis.trajectory.size
     for chart in drawn_charts(failing, found):
         for trace in chart.traces:
@@ -174,7 +169,7 @@ def test_path_is_split_where_it_fails(failing: State) -> None:
 
 @pytest.mark.parametrize("pieces", [1, 3])
 def test_any_piece_of_the_time_has_the_whole_range(state: State, pieces: int) -> None:
-    for chart in drawn_charts(state, results(state)):
+    for chart in drawn_charts(state, analyzed(state)):
         span = series_uplot.uplot_data(chart, pieces)[1]
         ends = np.sort(np.stack([span[:-1], span[1:]]), axis=0)
         assert (series_uplot.bounds(chart.traces) == ends.T).all()
@@ -189,7 +184,7 @@ def test_path_is_gray_but_for_the_piece_of_time_that_is_plotted(state: State) ->
         return (way.live["colors"] != gray).any(axis=(1, 2))
 
     assert colored(None).all()
-    motion = results(state).analysis.trajectory
+    motion = analyzed(state).analysis.trajectory
     start, end = 0.2 * motion.duration, 0.6 * motion.duration
     inside = colored((start, end))
     assert inside.mean() == pytest.approx(0.4, abs=0.02)
@@ -213,7 +208,7 @@ def test_torques_of_a_small_robot_are_drawn_in_a_fraction_of_their_unit() -> Non
         (large, "N·m", 1.0),
         (actions.load_design(large, balance(APPENDIX_4).after), "N·m", 1.0),
     ):
-        found = results(motions.choose_preset(start, "circle"))
+        found = analyzed(motions.choose_preset(start, "circle"))
         turning, _ = drawn_charts(start, found)
         assert turning.title == f"Torques [{unit}]"
         torque = factor * found.analysis.torque[:, 0]
@@ -236,7 +231,7 @@ def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> No
     assert exports.curves_table(done, "csv").content.startswith(b"# format: paminsa_viz simulation")
     with pytest.raises(InvalidInput, match="simulate the current motion first"):
         exports.curves_table(heavier, "csv")  # and not the motion in its place
-    place, turn = drawn_charts(done, results(done))
+    place, turn = drawn_charts(done, analyzed(done))
     assert "[mm]" in place.title
     error = np.degrees(outcome.result.error[:, 2])
     np.testing.assert_allclose(turn.traces[0].values, error, rtol=1e-12)
