@@ -28,7 +28,8 @@ CENTERS = (0.2, -0.2, 5.0)
 
 def number(c: float, *parts: float) -> Affine:
     """A number with parts (x, y, t, z, e), the rest zero."""
-    return Affine(c, *parts, *[0.0] * (5 - len(parts)))
+    *linear, rest = *parts, *[0.0] * (5 - len(parts))
+    return Affine(c, np.array(linear), rest)
 
 
 def kept(monkeypatch: pytest.MonkeyPatch, operation: Callable[[], Affine]) -> float:
@@ -89,7 +90,8 @@ def test_reciprocals_and_roots_round_by_their_slope_and_their_line(
     chord, tangent = 1 / low + 1 / high, 2 / np.sqrt(low * high)
     half, middle = 0.5 * (chord - tangent), 0.5 * (chord + tangent)
     found = 1.0 / a
-    assert (found.c, found.x) == pytest.approx((middle - c / (low * high), -share * c / low / high))
+    expected = middle - c / (low * high), -share * c / low / high
+    assert (found.c, found.p[0]) == pytest.approx(expected)
     assert found.e == pytest.approx(half, rel=1e-9, abs=1e-12)
     assert (1.0 / -a).c == pytest.approx(-found.c)
     assert (1.0 / -a).e == pytest.approx(found.e, abs=1e-15)
@@ -101,7 +103,7 @@ def test_reciprocals_and_roots_round_by_their_slope_and_their_line(
     chord, tangent = np.sqrt(low * high) / total, total / 4
     half, middle = 0.5 * (tangent - chord), 0.5 * (chord + tangent)
     root: Any = np.sqrt(a)
-    assert (root.c, root.x) == pytest.approx((middle + c / total, share * c / total))
+    assert (root.c, root.p[0]) == pytest.approx((middle + c / total, share * c / total))
     assert root.e == pytest.approx(half, rel=1e-9, abs=1e-12)
     if not share:
         expected = c / total + 4 * total + middle
@@ -119,9 +121,9 @@ def test_a_turn_is_bounded_by_what_a_cosine_and_the_chord_of_a_sine_differ(
     low, high = np.cos(half), 1.0
     assert lower(cosine) == pytest.approx(low, abs=1e-12)
     assert upper(cosine) == pytest.approx(high, abs=1e-12)
-    assert sine.t == pytest.approx(np.sin(half), abs=1e-15)
+    assert sine.p[2] == pytest.approx(np.sin(half), abs=1e-15)
     assert sine.e == pytest.approx(most, rel=2e-6, abs=1e-13)
-    assert (sine.c, sine.x, sine.y, sine.z) == (0.0, 0.0, 0.0, 0.0)
+    assert (sine.c, *sine.p[[0, 1, 3]]) == (0.0, 0.0, 0.0, 0.0)
     # each on its own, then the product with 1 and the sum with nothing
     expected = 3.0, 1.0 + 2.0 * (abs(np.sin(half)) + most)
     for index in range(2):
@@ -136,4 +138,4 @@ def test_boxes_become_their_coordinates() -> None:
     cosine, sine = np.cos(0.4), np.sin(0.4)
     expected = [(0.9, 1.1), (-2.2, -1.8), (cosine, cosine), (sine, sine), (-0.8, -0.2)]
     np.testing.assert_allclose(ends, expected, atol=1e-12)
-    assert (x.x, y.y, z.z) == (0.1, 0.2, 0.3)
+    assert (x.p[0], y.p[1], z.p[3]) == (0.1, 0.2, 0.3)

@@ -9,8 +9,8 @@ linear, and all rounding. In contrast to plain intervals terms that cancel do so
 box of width w is too wide by no more than a multiple of w^2 (Comba and Stolfi 1993; Stolfi and de
 Figueiredo 2003; with a fixed number of terms Messine 2002).
 
-The fields are NumPy arrays, one entry a box. A range that an operation is not defined on, such as
-the reciprocal of one with zero, is infinite or NaN from there on.
+The fields are NumPy arrays, the last index that of the box. A range that an operation is not
+defined on, such as the reciprocal of one with zero, is infinite or NaN from there on.
 """
 
 from __future__ import annotations
@@ -30,20 +30,26 @@ No operation below rounds more than 20 times in a row, each time by 2^-53 of tha
 
 
 class Affine:
-    """A number that depends on the place in a box; every field a number, or an array of them."""
+    """A number that depends on the place in a box.
 
-    __slots__ = ("c", "e", "t", "x", "y", "z")
+    Attributes:
+        c: The number at the center, or an array of them.
+        p: (4, ...) parts that are linear in x, y, theta and z; one array, so that an operation on
+            the few hundred boxes of a round takes few calls.
+        e: Bound on the rest.
+    """
 
-    def __init__(self, c: Any, x: Any, y: Any, t: Any, z: Any, e: Any) -> None:
-        self.c, self.x, self.y, self.t, self.z, self.e = c, x, y, t, z, e
+    __slots__ = ("_radius", "_size", "c", "e", "p")
+
+    def __init__(self, c: Any, p: Any, e: Any) -> None:
+        self.c, self.p, self.e = c, p, e
+        self._radius = self._size = None
 
     def __add__(self, other: Any) -> Affine:
         a, b = self, other
         if not isinstance(b, Affine):
-            e = a.e + ROUND * (np.abs(a.c) + np.abs(b))
-            return Affine(a.c + b, a.x, a.y, a.t, a.z, e)
-        e = a.e + b.e + ROUND * (size(a) + size(b))
-        return Affine(a.c + b.c, a.x + b.x, a.y + b.y, a.t + b.t, a.z + b.z, e)
+            return Affine(a.c + b, a.p, a.e + ROUND * (np.abs(a.c) + np.abs(b)))
+        return Affine(a.c + b.c, a.p + b.p, a.e + b.e + ROUND * (size(a) + size(b)))
 
     def __sub__(self, other: Any) -> Affine:
         return self + (-other)
@@ -55,9 +61,7 @@ class Affine:
         if isinstance(other, Affine):
             return _product(self, other)
         e = np.abs(other) * (self.e + ROUND * size(self))
-        return Affine(
-            self.c * other, self.x * other, self.y * other, self.t * other, self.z * other, e
-        )
+        return Affine(self.c * other, self.p * other, e)
 
     def __truediv__(self, other: Affine) -> Affine:
         return self * inverted(other)
@@ -66,7 +70,7 @@ class Affine:
         return inverted(self) * other
 
     def __neg__(self) -> Affine:
-        return Affine(-self.c, -self.x, -self.y, -self.t, -self.z, self.e)
+        return Affine(-self.c, -self.p, self.e)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -80,12 +84,16 @@ class Affine:
 
 def radius(a: Any) -> Any:
     """Return the size of the part that is linear in the place."""
-    return np.abs(a.x) + np.abs(a.y) + np.abs(a.t) + np.abs(a.z)
+    if a._radius is None:
+        a._radius = np.add.reduce(np.abs(a.p))
+    return a._radius
 
 
 def size(a: Any) -> Any:
     """Return the largest size that it can have."""
-    return np.abs(a.c) + radius(a) + a.e
+    if a._size is None:
+        a._size = np.abs(a.c) + radius(a) + a.e
+    return a._size
 
 
 def lower(a: Any) -> Any:
@@ -98,38 +106,30 @@ def upper(a: Any) -> Any:
     return a.c + (radius(a) + a.e) + ROUND * size(a)
 
 
+_FIRST, _SECOND = np.triu_indices(4, 1)
+"""The pairs of two of the four places."""
+
+
 def _product(a: Affine, b: Affine) -> Affine:
     """Return the product of two ranges.
 
     Of the products of two places, a square lies between 0 and 1, the others between -1 and 1.
     """
-    x, y, t, z = a.x * b.x, a.y * b.y, a.t * b.t, a.z * b.z
-    mixed = (
-        np.abs(a.x * b.y + a.y * b.x)
-        + np.abs(a.x * b.t + a.t * b.x)
-        + np.abs(a.x * b.z + a.z * b.x)
-        + np.abs(a.y * b.t + a.t * b.y)
-        + np.abs(a.y * b.z + a.z * b.y)
-        + np.abs(a.t * b.z + a.z * b.t)
-    )
-    squares = np.abs(x) + np.abs(y) + np.abs(t) + np.abs(z)
-    most_a, most_b = np.abs(a.c) + radius(a), np.abs(b.c) + radius(b)
-    rounding = ROUND * (most_a + a.e) * (most_b + b.e)
-    e = 0.5 * squares + mixed + most_a * b.e + most_b * a.e + a.e * b.e + rounding
-    return Affine(
-        a.c * b.c + 0.5 * (x + y + t + z),
-        a.c * b.x + b.c * a.x,
-        a.c * b.y + b.c * a.y,
-        a.c * b.t + b.c * a.t,
-        a.c * b.z + b.c * a.z,
-        e,
-    )
+    squares = a.p * b.p
+    mixed, swapped = a.p.take(_FIRST, 0), a.p.take(_SECOND, 0)
+    mixed *= b.p.take(_SECOND, 0)
+    swapped *= b.p.take(_FIRST, 0)
+    mixed += swapped
+    most_a, most_b = np.abs(a.c) + radius(a), size(b)
+    rest = 0.5 * np.add.reduce(np.abs(squares)) + np.add.reduce(np.abs(mixed))
+    e = rest + most_a * b.e + a.e * most_b + ROUND * size(a) * most_b
+    return Affine(a.c * b.c + 0.5 * np.add.reduce(squares), a.c * b.p + b.c * a.p, e)
 
 
 def _linear(a: Any, slope: Any, middle: Any, half: Any) -> Affine:
     """Return slope a + middle, to which half is the distance of the function that it stands for."""
     e = np.abs(slope) * (a.e + ROUND * size(a)) + half + ROUND * (np.abs(middle) + half)
-    return Affine(slope * a.c + middle, slope * a.x, slope * a.y, slope * a.t, slope * a.z, e)
+    return Affine(slope * a.c + middle, slope * a.p, e)
 
 
 def inverted(a: Any) -> Affine:
@@ -165,24 +165,26 @@ def cosine_and_sine(middle: Any, half: Any) -> tuple[Affine, Affine]:
     """
     none = where(half <= np.pi, 0.0 * half, np.nan)
     cosine = np.cos(half)
-    turn_c = Affine(0.5 * (1.0 + cosine), none, none, none, none, 0.5 * (1.0 - cosine) + ROUND)
+    still = np.stack([none] * 4)
+    turn_c = Affine(0.5 * (1.0 + cosine), still, 0.5 * (1.0 - cosine) + ROUND)
     most = half * half * half * 0.0641501
-    turn_s = Affine(none, none, none, np.sin(half), none, most + ROUND)
+    turn_s = Affine(none, np.stack([none, none, np.sin(half), none]), most + ROUND)
     c, s = np.cos(middle), np.sin(middle)
     return turn_c * c - turn_s * s, turn_c * s + turn_s * c
 
 
 def box_variables(middle: Any, half: Any) -> tuple[Affine, Affine, Affine, Affine, Affine]:
     """Return x, y, cos theta, sin theta and z over boxes (..., 4) of half widths (..., 4)."""
-    none = np.zeros(np.shape(middle)[:-1])
     x, y, t, z = np.moveaxis(np.asarray(middle, np.float64), -1, 0)
-    hx, hy, ht, hz = np.moveaxis(np.asarray(half, np.float64), -1, 0)
-    return (
-        Affine(x, hx, none, none, none, none),
-        Affine(y, none, hy, none, none, none),
-        *cosine_and_sine(t, ht),
-        Affine(z, none, none, none, hz, none),
-    )
+    widths = np.moveaxis(np.asarray(half, np.float64), -1, 0)
+    none = np.zeros_like(x)
+
+    def along(center: Any, index: int) -> Affine:
+        parts = np.zeros(widths.shape)
+        parts[index] = widths[index]
+        return Affine(center, parts, none)
+
+    return along(x, 0), along(y, 1), *cosine_and_sine(t, widths[2]), along(z, 3)
 
 
 _UFUNCS: dict[Any, Callable[..., Affine]] = {
