@@ -156,5 +156,8 @@ def _check_range(name: str, limits: Range | None) -> None:
 
 def _are_finite(values: Sequence[Any], count: int) -> bool:
     """Whether values are so many finite numbers."""
-    numbers = [isinstance(each, Real) and math.isfinite(each) for each in values]
+    # a float needs no look through the registered classes: a search makes many workspaces
+    numbers = [
+        (type(each) is float or isinstance(each, Real)) and math.isfinite(each) for each in values
+    ]
     return len(numbers) == count and all(numbers)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
@@ -264,7 +265,7 @@ class SynthesisCase:
         assert self.requirements.workspace is not None  # see __post_init__
         return self.requirements.workspace
 
-    @property
+    @cached_property
     def paths(self) -> tuple[str, ...]:
         """What is searched, in the order of the numbers of a trial."""
         return tuple(item.path for item in self.ranges)
@@ -293,9 +294,10 @@ class SynthesisCase:
 
     def split(self, numbers: Array) -> tuple[dict[str, float], dict[str, float]]:
         """Return the lengths of a trial, and place and size of its workspace, by path."""
-        values = dict(zip(self.paths, map(float, numbers), strict=True))
-        lengths = {path: v for path, v in values.items() if path not in DIMENSIONS}
-        return lengths, {path: v for path, v in values.items() if path in DIMENSIONS}
+        lengths, places = {}, {}
+        for path, value in zip(self.paths, numbers.tolist(), strict=True):
+            (places if path in DIMENSIONS else lengths)[path] = value
+        return lengths, places
 
     def geometry(self, numbers: Array) -> Geometry:
         """Return the lengths of a trial; B10 and B2, where they follow, are the reference's still.
@@ -317,6 +319,8 @@ class SynthesisCase:
         """Return the workspace of a trial."""
         _, places = self.split(numbers)
         held = self.workspace
+        if not places:
+            return held
         x, y, z = held.center
         width = places.get("workspace.width")
         wide = held.size[:2] if width is None else (width, width * (held.size[1] / held.size[0]))
