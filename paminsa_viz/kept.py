@@ -171,21 +171,29 @@ def _make_room() -> None:
         function._give_up(key)
 
 
+_SHARED = (type, ModuleType, FunctionType, MethodType)
+_CONTAINERS = (tuple, list, set, frozenset)
+_ATOMS = frozenset((int, float, bool, str, bytes, type(None)))
+"""Kinds of which most parts are; named once, as results have many thousands of parts."""
+
+
 def size_of(value: Any) -> int:
     """Return about how much memory a result takes [bytes]: its arrays, texts and containers."""
     total, seen, waiting = 0, set[int](), [value]
     while waiting and len(seen) < MOST_PARTS:
         part = waiting.pop()
-        if id(part) in seen or isinstance(part, type | ModuleType | FunctionType | MethodType):
+        if id(part) in seen or isinstance(part, _SHARED):
             continue
         seen.add(id(part))
         if isinstance(part, np.ndarray):
             total += part.nbytes
             continue
         total += getsizeof(part)
+        if type(part) in _ATOMS:
+            continue
         if isinstance(part, dict):
             waiting += [*part.keys(), *part.values()]
-        elif isinstance(part, tuple | list | set | frozenset):
+        elif isinstance(part, _CONTAINERS):
             waiting += part
         elif is_dataclass(part):
             waiting += [getattr(part, each.name, None) for each in fields(part)]
