@@ -58,8 +58,8 @@ def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     creased = mesh.face_adjacency_angles < (PLAIN_CREASE if is_plain() else CREASE)
     joined = mesh.face_adjacency[creased]
     if not is_plain():
-        areas = mesh.area_faces
-        flat = [facet for facet in mesh.facets if areas[facet].sum() > mesh.area / FLAT_SHARE]
+        areas, least = mesh.area_faces, mesh.area / FLAT_SHARE
+        flat = [facet for facet in mesh.facets if areas[facet].sum() > least]
         alone = np.zeros(len(mesh.faces), dtype=bool)
         for facet in flat:
             alone[facet] = True
