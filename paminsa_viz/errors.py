@@ -32,6 +32,8 @@ def _without_init(kind: type[PaminsaError], *parts: object) -> PaminsaError:
 
 def printable(text: str) -> str:
     """Return ``text`` on one line, with every character that is not printable replaced by ``?``."""
+    if text.isprintable():  # as nearly all are, also long ones
+        return text
     return "".join(char if char.isprintable() else "?" for char in text)
 
 
