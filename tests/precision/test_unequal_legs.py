@@ -218,8 +218,8 @@ def test_poses_near_limits_are_found_on_the_robot_s_side_or_not_at_all() -> None
 
 @pytest.mark.slow
 def test_bars_that_do_not_meet_at_the_nominal_sliders_are_followed_from_the_nominal_robot() -> None:
-    """2 mm before the nominal pantographs are stretched, in 300 small steps by Newton's method."""
-    g, n, steps = APPENDIX_4.geometry, 40, 300
+    """2 mm before the nominal pantographs are stretched, in 150 small steps by Newton's method."""
+    g, n, steps = APPENDIX_4.geometry, 40, 150
     pose = np.array([0.0, 0.0, 0.0, -1.00611])
     start, nominal_legs = nominal_pose(g, pose), nominal_lengths(g)
     deviations = random_deviations(0, 5e-4, n)
@@ -232,7 +232,7 @@ def test_bars_that_do_not_meet_at_the_nominal_sliders_are_followed_from_the_nomi
         before, side = now.copy(), None
         for share in np.linspace(0.0, 1.0, steps + 1):
             trial, matrix = 2.0 * now - before, np.eye(9)
-            for _ in range(4):
+            for _ in range(2 if share < 1.0 else 5):  # the end alone has to be exact
                 closure = closure_equations(nominal_legs + share * deviations, trial, g.knee.sign)
                 matrix = closure.by_state[:, :, unknown]
                 lost = ~np.isfinite(matrix).all(axis=(1, 2))
