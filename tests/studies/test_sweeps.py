@@ -59,7 +59,7 @@ def test_the_summary_is_that_of_numpy(
     scale = {"x": size, "y": size, "theta": 1.0, "z": design.geometry.coupler_length / 0.6}
     fixed = np.array(FIXED) * [1, 1, 1, scale["z"]]
     # a little off, so that no pose is exactly symmetrical and no two values tie
-    axes = {name: (AXES[name][:4] + 0.00123 * (1 + len(name))) * scale[name] for name in names}
+    axes = {name: (AXES[name][:3] + 0.00123 * (1 + len(name))) * scale[name] for name in names}
     grid = Grid.over(fixed, **axes)
     # every block costs as much as some hundred poses
     keys = ALL if block >= 64 else CHEAP
