@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from paminsa_viz.blocks.kinds import Figure
 from paminsa_viz.cli import main
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
 from paminsa_viz.report import claims, worked_claims
@@ -44,7 +45,8 @@ def written(tmp_path_factory: pytest.TempPathFactory, mujoco: Any) -> Written:
     motion, report = folder / "motion.csv", folder / "claims.html"
     write_short_motion(motion)
     words = f"verify --poses 9 --file {motion} --report {report} --json"
-    with redirect_stdout(StringIO()) as printed:
+    with redirect_stdout(StringIO()) as printed, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "svg", b"")  # `verify --figures` is tested to draw the same
         code = main(words.split())
     return Written(code, json.loads(printed.getvalue()), report)
 
