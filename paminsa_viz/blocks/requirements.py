@@ -144,7 +144,7 @@ def over_text(check: RequirementsCheck, requirements: Requirements) -> str:
 def _volume(volume: Volume, text: RequirementText) -> list[Block]:
     nodes = (
         f"On {counted(volume.cause.size, 'node')} {format_value(volume.cell, 'm', 3)} apart and "
-        f"{counted(volume.headings, 'heading')}."
+        f"{counted(volume.sampled_headings, 'heading')}."
     )
     if volume.empty:
         blocks: list[Block] = [
@@ -266,6 +266,7 @@ def check_data(
         data["volume"] = {
             "reachable_m3": volume.reachable_volume,
             "nodes": volume.cause.shape,
+            "headings": volume.sampled_headings,
             "shares": {cause.word: share for cause, share in volume.shares().items()},
             **record(
                 volume,
@@ -274,7 +275,6 @@ def check_data(
                 "utilization",
                 "home_inside",
                 "cell_m",
-                "headings",
                 "removed_alone",
                 "removed_last",
             ),

@@ -215,6 +215,20 @@ def test_impossible_requirement_is_the_cause_everywhere() -> None:
     assert volume.removed_alone[0] == 1.0
 
 
+def test_a_range_of_one_heading_is_sampled_once() -> None:
+    """As many headings as asked for are said only where a range has as many."""
+    volume = solve_volume(APPENDIX_4, needs("condition <= 1"), resolution=COARSE)
+    for bounds, theta, count in (
+        (("condition <= 1",), (0.1, 0.1), 1),
+        (("condition <= 1",), (-0.1, 0.1), COARSE.headings),
+        (("condition <= 1 for theta 5..5",), (-0.1, 0.1), 1),
+        (("condition <= 1", "payload >= 1 kg for theta -5..5"), (0.0, 0.0), COARSE.headings),
+        ((), (-0.1, 0.1), COARSE.headings),
+    ):
+        asked = replace(volume, requirements=needs(*bounds, theta=theta))
+        assert asked.sampled_headings == count
+
+
 @pytest.mark.slow
 def test_costly_quantities_get_larger_cells() -> None:
     volume = solve_volume(APPENDIX_4, needs("frequency_1 >= 1 Hz"), resolution=COARSE)

@@ -27,7 +27,7 @@ from paminsa_viz.synthesis.volume.causes import (
     reach_distances,
 )
 from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
-from paminsa_viz.synthesis.volume.margins import heading_margins
+from paminsa_viz.synthesis.volume.margins import heading_margins, headings
 from paminsa_viz.synthesis.volume.measure import Nodes, measure
 from paminsa_viz.synthesis.volume.reach import can_be_taken, reach_bounds, takes_own_headings
 
@@ -41,7 +41,7 @@ class Volume:
     Attributes:
         design, requirements: What it was solved for.
         x, y, z: Coordinates of the nodes, equally spaced [m].
-        headings: Sampled headings over each range.
+        headings: Sampled headings over each range that is more than one heading.
         cause: Code of the cause at each node: the index of an entry of ``causes``; 0 inside.
         causes: What the codes mean.
         margins: (requirements, x, y, z) least margin of each requirement over its headings [SI];
@@ -90,6 +90,13 @@ class Volume:
         """Distance of the nodes [m]; of those next to the axis, where it is not rounded."""
         middle = self.x.size // 2
         return float(self.x[middle + 1] - self.x[middle])
+
+    @property
+    def sampled_headings(self) -> int:
+        """How many headings the requirements were sampled at: one if all are for one heading."""
+        needed = self.requirements
+        ranges = [needed.headings(bound) for bound in needed.bounds] or [needed.theta]
+        return max(len(headings(limits, self.headings)) for limits in ranges)
 
     @property
     def utilization(self) -> float:

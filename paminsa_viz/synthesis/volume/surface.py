@@ -241,7 +241,7 @@ def _facts(volume: Volume) -> dict[str, str]:
         "design": volume.design.name,
         "knee": volume.design.geometry.knee.value,
         "headings [deg]": f"{math.degrees(theta[0]):.10g} to {math.degrees(theta[1]):.10g}",
-        "headings sampled": str(volume.headings),
+        "headings sampled": str(volume.sampled_headings),
     }
     for index, bound in enumerate(volume.requirements.bounds):
         facts[f"requirement {index + 1}"] = requirement_text(bound)
