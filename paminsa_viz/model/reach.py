@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from paminsa_viz.model.arguments import of_geometry
 from paminsa_viz.model.arrays import Array, Pose, as_vectors
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.parameters import SMALLEST
 from paminsa_viz.model.status import Status, WithStatus
 from paminsa_viz.units import MM, format_pose
 
@@ -185,7 +187,9 @@ def home_pose(geometry: Geometry) -> Pose:
     bars = geometry.crank_length + geometry.coupler_length
     drop = min(HOME_DROP * bars, 0.75 * workspace_height(geometry))
     z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
-    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
+    # To a millimeter; finer where that would move it by more than a twentieth of its depth.
+    digits = max(3, 1 - math.floor(math.log10(max(drop, SMALLEST))))
+    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, digits))
 
 
 @of_geometry
