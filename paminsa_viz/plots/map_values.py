@@ -264,8 +264,8 @@ def difference(current: MapData, reference: MapData) -> MapData:
     )
 
 
-LEAST_HALF_WIDTH = 0.1
-"""Half width of a map of a robot that reaches next to nothing [m]."""
+LEAST_HALF_WIDTH = 0.28
+"""Half width of a map of a robot that reaches next to nothing, as a share of R_b."""
 
 
 FRAMES = 20
@@ -279,10 +279,11 @@ def half_width(geometry: Geometry) -> float:
     """Return half the side of the square that maps of a geometry cover [m].
 
     It holds every position within reach at any theta and z, so that a map stays where it is while
-    they are dragged; rounded up to a centimeter.
+    they are dragged; rounded up to a centimeter, of a small robot in two digits.
     """
-    radius = max(1.005 * workspace_radius(geometry), LEAST_HALF_WIDTH)
-    return float(np.ceil(round(100 * radius, 6)) / 100)
+    radius = max(1.005 * workspace_radius(geometry), LEAST_HALF_WIDTH * geometry.base_radius)
+    steps = 10.0 ** max(2, 1 - math.floor(math.log10(radius)))  # in a meter
+    return float(np.ceil(round(steps * radius, 6)) / steps)
 
 
 def cell_centers(half: float, cells: int) -> Array:

@@ -29,6 +29,7 @@ from paminsa_viz.plots.map_values import (
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.quantities import QUANTITIES, Missing
 from tests.plots.samples import made_up, real
+from tests.support.samples import resized
 
 POSE = (0.05, -0.03, np.pi / 3, -0.5)
 
@@ -188,6 +189,14 @@ def test_a_map_covers_all_that_is_within_reach_rounded_up_to_a_centimeter(geomet
     steps = np.diff(cell_centers(half, 7))
     np.testing.assert_allclose(steps, 2 * half / 7)
     np.testing.assert_allclose(cell_centers(half, 7)[[0, -1]], [half / 7 - half, half - half / 7])
+
+
+@pytest.mark.parametrize("times", [1e-1, 1e-2, 1e-3, 1e-5])
+def test_a_map_of_a_small_robot_is_as_wide_as_it_reaches(times: float) -> None:
+    geometry, whole = resized(APPENDIX_4, times).geometry, APPENDIX_4.geometry
+    assert half_width(geometry) == pytest.approx(times * half_width(whole))
+    frame = frame_half(geometry, 1.0, -0.5 * times)
+    assert frame == pytest.approx(times * frame_half(whole, 1.0, -0.5))
 
 
 @pytest.mark.parametrize("geometry", ROBOTS)
