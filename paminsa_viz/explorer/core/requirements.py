@@ -31,7 +31,7 @@ def default_workspace(document: Document) -> Workspace:
     z = home_pose(geometry)[3]
     width, height = 2 * SHARE * min(circle, 0.5 * reach), 0.4 * reach
     width, height = map(_two_digits, (width, height))
-    return Workspace(WorkspaceShape.CYLINDER, (width, width, height), (0.0, 0.0, round(z, 3)))
+    return Workspace(WorkspaceShape.CYLINDER, (width, width, height), (0.0, 0.0, z))
 
 
 def _two_digits(extent: float) -> float:

@@ -222,7 +222,8 @@ def set_own_range(state: State, name: str, on: bool) -> State:
     elif on:
         geometry = state.document.design.geometry
         z, half = home_pose(geometry)[3], OWN_HALF_HEIGHT * length_ratio(geometry)
-        own = (round(z - half, 3), round(z + half, 3))
+        digits = max(3, 1 - math.floor(math.log10(half)))  # a millimeter, less of small robots
+        own = (round(z - half, digits), round(z + half, digits))
     return edit(state, **{name: own})
 
 

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.features.requirements import actions, suggestions
 from paminsa_viz.explorer.features.requirements.actions import End, Side, selected, side_of
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.model import APPENDIX_4, InvalidInput, home_pose
 from paminsa_viz.quantities import QUANTITIES, families
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from tests.support.samples import prototype_times
@@ -124,11 +124,12 @@ def test_the_suggested_set_has_headings_and_a_workspace() -> None:
 
 def test_of_a_small_robot_is_asked_what_it_can_do() -> None:
     heights = []
-    for size, margin in ((0.05, 0.0005), (5.0, 0.05), (1.0, actions.REACH_MARGIN)):
+    for size, margin in ((0.002, 2e-5), (0.05, 5e-4), (5.0, 0.05), (1.0, actions.REACH_MARGIN)):
         state = actions.suggest(initial_state(prototype_times(size)))
         workspace = state.document.requirements.workspace
         assert workspace is not None
         assert workspace.size == pytest.approx(np.multiply(size, (0.25, 0.25, 0.22)), rel=0.05)
+        assert workspace.center == (0.0, 0.0, home_pose(state.document.design.geometry)[3])
         assert state.document.requirements.bounds[-1].low == margin
         check = current_check(state)
         assert check is not None
@@ -136,7 +137,7 @@ def test_of_a_small_robot_is_asked_what_it_can_do() -> None:
         own = actions.set_own_range(state, "z", True).document.requirements.bounds[0].z
         low, high = own or (0.0, 0.0)
         heights.append(high - low)
-    assert heights == pytest.approx([0.01, 1.0, 0.2])
+    assert heights == pytest.approx([4e-4, 0.01, 1.0, 0.2])
 
 
 def test_shapes_keep_the_size_as_far_as_they_can() -> None:
