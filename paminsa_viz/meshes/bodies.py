@@ -317,7 +317,7 @@ def body_glb(geometry: Geometry, body: str, *, fine: bool = True) -> bytes:
         return part.times(geometry.body_scale).glb(color_of(body), plain=True)
 
 
-def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
+def ground_glb(geometry: Geometry, *, dark: bool) -> bytes:
     """Return the ground as a GLB in the world frame, light or for a dark page."""
     if not dark:
         return body_glb(geometry, "ground", fine=False)

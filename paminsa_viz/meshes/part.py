@@ -165,7 +165,7 @@ class MeshPart:
             mesh.visual = _visual(name, SURFACES[name], _color(name, accent))
         return out
 
-    def colored_by_point(self, accent: str | None = None) -> dict[str, trimesh.Trimesh]:
+    def colored_by_point(self, accent: str | None) -> dict[str, trimesh.Trimesh]:
         """Return one mesh of all lit materials and one of all others, colored at their vertices.
 
         `COMMON` is the surface of both: fewer meshes are faster to draw.

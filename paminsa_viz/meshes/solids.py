@@ -182,9 +182,8 @@ def rod(
 
 
 def tube(
-    inner: float, outer: float, bottom: float, top: float, chamfer: float = 0.001,
-    segments: int = 24,
-) -> trimesh.Trimesh:  # fmt: skip
+    inner: float, outer: float, bottom: float, top: float, chamfer: float, segments: int
+) -> trimesh.Trimesh:
     """Return a hollow cylinder along z with chamfered outer edges."""
     c = _chamfer(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
     side = [(outer - c, bottom), (outer, bottom + c), (outer, top - c), (outer - c, top)]

@@ -287,7 +287,7 @@ def potential_constant(design: Design) -> float:
     return float(design.gravity * height * (m.m2 + (m.B1 + m.B2) / 2))
 
 
-def energy_terms(c: Array, misprints: Misprint = Misprint.NONE) -> EnergyTerms:
+def energy_terms(c: Array, misprints: Misprint) -> EnergyTerms:
     """Say which entry of c multiplies which term of the energies (Eqs. 11-14).
 
     Args:

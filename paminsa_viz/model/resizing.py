@@ -184,9 +184,7 @@ def resized(design: Design, values: Mapping[str, float], law: BarLaw = IN_PROPOR
     return changed.vary(numbers)
 
 
-def resized_masses(
-    design: Design, geometries: Sequence[Geometry], law: BarLaw = IN_PROPORTION
-) -> Array:
+def resized_masses(design: Design, geometries: Sequence[Geometry], law: BarLaw) -> Array:
     """Return the masses of the design with other geometries, (n, 28), as `resized` has them.
 
     In the order of `lumped.MASS_PATHS` [kg, kg m^2].

@@ -90,7 +90,7 @@ def design_front(
     case: SynthesisCase,
     objectives: Sequence[str],
     *,
-    points: int = 8,
+    points: int,
     workers: Workers = here,
     progress: Progress = go_on,
     found: Callable[[FrontPoint], None] | None = None,
