@@ -59,15 +59,13 @@ def test_same_seed_same_front(front):
 
 
 @pytest.mark.slow
-def test_a_front_can_be_canceled_and_shows_points_as_they_come():
-    seen: list[tuple[float, ...]] = []
+def test_a_front_that_is_canceled_has_the_points_found_so_far():
     found = design_front(
         two_numbers(), ("moving_mass", "volume"), points=5,
         progress=lambda done, searches, state: searches == 3 and 3 / 6 < done <= 4 / 6,
-        found=lambda point: seen.append(point.values),
     )  # fmt: skip
     assert found.canceled
-    assert len(seen) == len(found.points) == 2
+    assert len(found.points) == 2
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ the answers of the earlier ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
@@ -93,7 +93,6 @@ def design_front(
     points: int,
     workers: Workers = here,
     progress: Progress = go_on,
-    found: Callable[[FrontPoint], None] | None = None,
 ) -> DesignFront:
     """Return the front of a case between several objectives.
 
@@ -105,7 +104,6 @@ def design_front(
         workers: Where trials are computed; the result is the same.
         progress: Called after each generation with the number of ``searches`` done and the
             ``state`` of the current one; true ends it with the points found so far.
-        found: Called with each robot as it is found; a later one may dominate it.
 
     Raises:
         InvalidInput: If there are fewer than two different objectives or points, or too many.
@@ -120,7 +118,7 @@ def design_front(
         problem = f"2 or more, for up to {MOST_POINTS} searches in all, are possible, not {points}"
         raise InvalidInput("points", problem)
     signs = np.array([entry.sign for entry in entries])
-    run = _Front(case, names, signs, total, workers, progress, found)
+    run = _Front(case, names, signs, total, workers, progress)
     # What is best in another objective alone may be bad in the first for nothing: such an answer
     # is no point of the front, it only says how far the front reaches.
     for name in names:
@@ -151,7 +149,6 @@ class _Front:
     total: int
     workers: Workers
     progress: Progress
-    found: Callable[[FrontPoint], None] | None
     answers: list[FrontPoint] = field(default_factory=list)
     points: list[FrontPoint] = field(default_factory=list)
     done: int = 0
@@ -193,8 +190,6 @@ class _Front:
         self.answers.append(point)
         if objective == self.names[0]:
             self.points.append(point)
-            if self.found is not None:
-                self.found(point)
 
     def _start(self, case: SynthesisCase) -> tuple[RegimeState, ...]:
         """Return states of a search that starts near the answers so far."""
