@@ -128,7 +128,9 @@ def check_row(
     """Return a requirement's verdict, worst value, margin, and the pose of the worst value."""
     bound = None if item.requirement is None else requirements.bounds[item.requirement]
     label = item.label if bound is None else text(bound)
-    margin = format_value(item.margin, item.unit, 3) if math.isfinite(item.margin) else NONE
+    # like the worst value, it never reads as better than it is
+    shown = format_value(item.margin, item.unit, 3, up=False)
+    margin = shown if math.isfinite(item.margin) else NONE
     verdict = "holds" if item.holds else item.reason or "broken"
     pose = NONE if item.pose is None else format_pose(item.pose)
     cells = (label, verdict, worst_text(item.value, bound), margin, pose)

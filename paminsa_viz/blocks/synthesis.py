@@ -282,7 +282,7 @@ def _worst(value: float, bound: Requirement | ObjectiveLimit) -> str:
 
 
 def _margin(value: float, bound: Requirement | ObjectiveLimit) -> str:
-    return _entry(bound).display.format(value) if math.isfinite(value) else NONE
+    return _entry(bound).display.format(value, up=False) if math.isfinite(value) else NONE
 
 
 def _entry(bound: Requirement | ObjectiveLimit) -> Quantity | Objective:

@@ -84,7 +84,8 @@ def test_verdicts_on_requirements() -> None:
     ]  # fmt: skip
     assert [row[4] == NONE for row in cells(table)] == [True, False, True]
     assert table.words == 2  # type: ignore
-    assert words.check_row(item(margin=0.0123456), asked).cells[3] == "12.3 mm"
+    for margin, told in ((0.0123956, "12.3 mm"), (-0.0123123, "−12.4 mm")):
+        assert words.check_row(item(margin=margin), asked).cells[3] == told  # not better than it is
     assert [row.kind for row in table.rows] == ["plain", "marked", "marked"]
     assert "over the required workspace, from θ −5.73° to 11.46°" in table.caption
     assert said([place, verdict_note]) == [
@@ -162,7 +163,7 @@ def test_a_relaxed_bound_is_rounded_to_the_side_on_which_it_helps(value: float) 
     assert stiff.format(12345.6, up=False) == "12.34 N/mm"
 
 
-def test_a_worst_value_never_reads_as_better_than_it_is() -> None:
+def test_a_worst_value_and_its_margin_never_read_as_better_than_they_are() -> None:
     """In the check, in the proof and of the best robot; the verdict is that of the number told."""
     asked = Requirements((CONDITION, STIFF, BOTH), (-0.1, 0.2), PLACE)
     proof: Any = SimpleNamespace()
@@ -180,6 +181,8 @@ def test_a_worst_value_never_reads_as_better_than_it_is() -> None:
         outcome = BoundOutcome(bound, value, margin, False)
         result: Any = SimpleNamespace(outcomes=(outcome,))
         assert cells(outcomes_table(result))[0][2] == told
+    near: Any = SimpleNamespace(outcomes=(BoundOutcome(CONDITION, 7.12341, 0.87659, False),))
+    assert cells(outcomes_table(near))[0][3] == "0.8765"
     proof.evidence = [Evidence("reach", Method.CLOSED_FORM, Verdict.PROVEN, 0.0123456)]
     assert cells(proofs.evidence_table(proof))[0][3] == "12.34 mm"
 
