@@ -144,7 +144,7 @@ def effects_table(found: Sequence[Effect]) -> Table:
         )
         name, unit = heading(item.label, item.unit), display_unit(item.unit)
         color = ACTUATOR_COLORS[ACTUATORS.index(item.label)] if item.group else ""
-        values = (_tidy(value * unit.factor, 4) for value in (item.before, item.after))
+        values = (_tidy(value * unit.factor, 4, padded=True) for value in (item.before, item.after))
         cells.append(Row((name, *values, change), color=color))
     caption = "What the masses change."
     if any(grown(item) for item in found if item.group in IN_MOTION):
@@ -248,8 +248,8 @@ def changed_masses(found: Optimum) -> list[tuple[str, float, float]]:
     return [item for item in pairs if item[1] != item[2]]
 
 
-def _tidy(value: float, digits: int) -> str:
-    return number(0.0 if abs(value) <= 1e-9 else value, digits)
+def _tidy(value: float, digits: int, *, padded: bool = False) -> str:
+    return number(0.0 if abs(value) <= 1e-9 else value, digits, padded=padded)
 
 
 def optimum_data(found: Optimum) -> dict[str, Any]:

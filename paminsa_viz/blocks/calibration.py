@@ -117,7 +117,7 @@ def deviation_blocks(found: Calibration) -> list[Table | Note]:
         value, size = (factor * float(one[leg, place]) for one in (values, sizes))
         if math.isfinite(size):
             return Cell(interval_text(value, size))
-        return Cell(number(value, 2), kind="muted")
+        return Cell(number(value, 2, padded=True), kind="muted")
 
     text = "Actual minus nominal; ± is one standard deviation."
     if not found.determined.all():
@@ -144,7 +144,7 @@ def plan_blocks(plan: CalibrationPlan) -> list[Table | Note]:
         size = float(plan.standard_deviations[leg, place])
         if not math.isfinite(size):
             return Cell("in sums", kind="muted")
-        return Cell(f"± {number(display_unit(LENGTHS[place].unit).factor * size, 2)}")
+        return Cell(f"± {number(display_unit(LENGTHS[place].unit).factor * size, 2, padded=True)}")
 
     text = (
         "± is one standard deviation. Of lengths in sums, the poses show combinations with others: "

@@ -202,7 +202,7 @@ def test_what_a_balance_changes_of_the_actuators() -> None:
         "mass [kg]", group, "M1 [N·m]", "M2 [N·m]", "M4 [N]",
     ]  # fmt: skip
     assert [row.kind for row in table.rows] == ["plain", "group", "plain", "plain", "plain"]
-    assert table.rows[2].cells[1:] == ("4", "1", "−75.0 %")
+    assert table.rows[2].cells[1:] == ("4.000", "1.000", "−75.0 %")
     kinds = [getattr(row.cells[-1], "kind", "") for row in table.rows]
     assert kinds == ["plain", "", "plain", "bad", "plain"]  # by more than half a percent
     assert "more torque" in table.caption
@@ -214,7 +214,7 @@ def test_what_a_balance_changes_of_the_actuators() -> None:
     assert not balance.grown(effect("M1", "N m", 100.0, 100.48, group))
     assert balance.grown(effect("M1", "N m", 100.0, 100.52, group))
     (row,) = cells(balance.effects_table([effect("size", "m", 0.01234567, 0.02)]))
-    assert row[:3] == ("size [mm]", "12.35", "20")
+    assert row[:3] == ("size [mm]", "12.35", "20.00")
 
 
 def test_a_design_is_balanced_below_a_billionth_of_a_newton(

@@ -334,7 +334,7 @@ def test_deviations_with_an_interval_or_in_sums() -> None:
     assert "Without ±" not in deviation_blocks(whole)[1].text  # type: ignore
     plan: Any = SimpleNamespace(standard_deviations=calibrated(0).standard_deviations)
     table, _ = plan_blocks(plan)
-    assert tuple(table.rows[0].cells[2:]) == ("± 0.2", "in sums", "in sums")  # type: ignore
+    assert tuple(table.rows[0].cells[2:]) == ("± 0.20", "in sums", "in sums")  # type: ignore
 
 
 def test_poses_to_measure_in_millimeters_and_degrees() -> None:
