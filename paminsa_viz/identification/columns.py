@@ -217,7 +217,7 @@ def _add_diagonal(
     builder: _Builder, signal: Array, kind: str, values: tuple[float, ...], spread: Array
 ) -> None:
     """Add a column for each actuator that has a value: its own signal, nothing for the others."""
-    symbols = {"viscous": "b_v", "coulomb": "c", "offset": "offset "}
+    symbols = {"viscous": "b_v", "coulomb": "c_", "offset": "offset "}
     labels = {
         "viscous": ("viscous friction of {}", "speeds of {} of different size"),
         "coulomb": ("Coulomb friction of {}", "speeds of {} in both directions"),

@@ -177,7 +177,7 @@ def _with_actuators(identification: Identification) -> Design:
     known = {item.symbol: item.value for item in identification.estimates if item.known}
     before = design.actuator_friction
     viscous = [known.get(f"b_v{i + 1}", before.viscous[i]) for i in range(4)]
-    coulomb = [known.get(f"c{i + 1}", before.coulomb[i]) for i in range(4)]
+    coulomb = [known.get(f"c_{i + 1}", before.coulomb[i]) for i in range(4)]
     inertia = list(design.drive_inertia)
     if "ΔJ_1" in known and "ΔJ_2" in known:
         first, second = known["ΔJ_1"], known["ΔJ_2"]

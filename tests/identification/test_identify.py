@@ -91,7 +91,7 @@ def test_what_twenty_seconds_tell_and_what_they_do_not() -> None:
     assert found.estimate("b_1").half_width < 0.003 * found.estimate("b_1").value
     unknown = {item.symbol for item in found.unknown}
     assert {"b_9", "b_10"} <= unknown  # spin inertia of the bars
-    assert not {"b_1", "M_p2", "b_6", "b_7", "c1", "c4"} & unknown
+    assert not {"b_1", "M_p2", "b_6", "b_7", "c_1", "c_4"} & unknown
     assert all("would tell it" in item.reason() for item in found.unknown)
     assert found.identity.holds
     assert len(found.notes) == 1  # no warning
@@ -109,7 +109,7 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     position = inverse_kinematics(APPENDIX_4.geometry, pose).actuators
     noise = np.random.default_rng(0).standard_normal(torque.shape) * [0.01, 0.01, 0.01, 1.0]
     found = identify(APPENDIX_4, make_log(t, position, torque + noise), QUICK)
-    assert {"b_4", "b_6", "b_8", "b_11", "c1"} <= {item.symbol for item in found.unknown}
+    assert {"b_4", "b_6", "b_8", "b_11", "c_1"} <= {item.symbol for item in found.unknown}
     assert found.estimate("b_1").known
     assert "horizontal accelerations would tell it" in found.estimate("b_6").reason()
     assert "b_6 (horizontal accelerations)" in found.advice
@@ -121,7 +121,7 @@ def test_friction_is_unknown_where_the_noise_hides_it() -> None:
     log = simulated(1, RUBBING, rate=200.0)
     noise = np.random.default_rng(0).standard_normal(log.torque.shape) * log.torque.std(axis=0)
     loud = identify(APPENDIX_4, make_log(log.t, log.position, log.torque + 10 * noise), QUICK)
-    friction = {"b_v1", "b_v2", "b_v3", "b_v4", "c1", "c2", "c3", "c4"}
+    friction = {"b_v1", "b_v2", "b_v3", "b_v4", "c_1", "c_2", "c_3", "c_4"}
     assert friction <= {item.symbol for item in loud.unknown}
     assert not friction & {item.symbol for item in identify(APPENDIX_4, log, QUICK).unknown}
 
@@ -164,7 +164,7 @@ def test_what_is_known_of_loads_and_unequal_rotors_is_taken_off() -> None:
 def test_what_is_not_fitted_has_no_estimate_and_takes_nothing_of_the_rest() -> None:
     """A robot without friction, of which less is fitted in turn."""
     log = simulated(1, APPENDIX_4, rate=250.0, noise_seed=None)
-    every = {"viscous": "b_v", "coulomb": "c", "offsets": "offset "}
+    every = {"viscous": "b_v", "coulomb": "c_", "offsets": "offset "}
     for name, left_out in every.items():
         found = identify(APPENDIX_4, log, replace(QUICK, **{name: False}))
         symbols = [item.symbol for item in found.estimates]
@@ -255,7 +255,7 @@ def test_numbers_that_move_with_the_cut_off_are_named() -> None:
     grown = (log.torque + 2e-3 * bent)[middle]
     notes = identify(APPENDIX_4, make_log(log.t[middle], log.position[middle], grown)).notes
     assert notes[1].startswith("between 6.67 Hz and 15 Hz results move by more than 2 standard")
-    assert "c1 (" in notes[1]
+    assert "c_1 (" in notes[1]
     assert "b_1 (" not in notes[1]
     settings = IdentificationSettings(cut_off=30.0)
     slow = identify(APPENDIX_4, simulated(1, RUBBING, rate=125.0), settings)

@@ -335,7 +335,7 @@ def test_rotors_that_would_be_negative_are_raised_together() -> None:
     design = replace(APPENDIX_4, friction=Friction(0.1, 0.2, 30.0, 4.0, 0.02))
     estimates = [
         item("ΔJ_1", -0.03), item("ΔJ_2", 0.01), item("b_v1", 0.5), item("b_v2", 9.0, known=False),
-        item("b_v3", -0.1), item("b_v4", 0.25), item("c4", -1.0), item("c1", 0.7),
+        item("b_v3", -0.1), item("b_v4", 0.25), item("c_4", -1.0), item("c_1", 0.7),
     ]  # fmt: skip
     found = _with_actuators(SimpleNamespace(design=design, estimates=estimates))  # type: ignore[arg-type]
     np.testing.assert_allclose(found.drive_inertia, [0.0, 0.04, 0.05, 0.0], atol=1e-12)
