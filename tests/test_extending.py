@@ -77,9 +77,9 @@ def test_a_quantity_is_swept_drawn_written_and_chosen(
 
 def test_a_quantity_is_chosen_on_the_page(quantity: Quantity, server: Any) -> None:
     with desk_with(server, partial(MapsPanel, answers=())) as desk:
-        desk.set("family", quantity.family)
-        desk.until(lambda: quantity.label in desk.handle("show").options)
-        desk.set("show", quantity.label)
+        desk.set("Family", quantity.family)
+        desk.until(lambda: quantity.label in desk.handle("Show").options)
+        desk.set("Show", quantity.label)
         desk.until(lambda: desk.state.map_view.quantity == quantity.key)
 
 

@@ -150,7 +150,7 @@ IN_HIGH_CONTRAST = """() => {
 
 def test_what_is_checked_chosen_or_open_is_seen_in_high_contrast(tab: Tab) -> None:
     tab.page.emulate_media(forced_colors="active")
-    tab.element("colors").focus()
+    tab.element("Colors").focus()
     tab.page.keyboard.press("ArrowDown")
     tab.page.get_by_role("option").first.wait_for()
     tab.page.keyboard.press("ArrowDown")
@@ -249,7 +249,7 @@ def test_tooltips_open_in_the_view_and_not_over_the_panel(tab: Tab) -> None:
         assert left < box["x"]
         assert box["x"] + box["width"] <= right
         assert box["y"] - 1 <= at["y"] + at["height"] / 2 <= box["y"] + box["height"] + 1
-    assert tooltip(tab, tab.element("shared"))["x"] >= left
+    assert tooltip(tab, tab.element("Shared"))["x"] >= left
     home = tab.page.get_by_role("button", name="Home", exact=True)
     assert "(key: H)" in str(home.get_attribute("title"))  # viser shows none
 

@@ -237,7 +237,7 @@ def test_any_table_is_copied_by_the_button_beside_it(copying: Tab) -> None:
     button.click()
     until(lambda: button.inner_text() == "Copied", "the table is copied")
     rows = [row.split("\t") for row in tab.page.evaluate(READ).splitlines()]
-    assert rows[0] == ["Actuator", "position", "static torque"]
+    assert rows[0] == ["Actuator", "Position", "Static torque"]
     assert rows[1][0] == "M1"
     assert rows[1][2] == "4.570 N·m"
     assert "-11.93" in rows[1][1]  # a hyphen: spreadsheets do not read a minus sign

@@ -214,7 +214,7 @@ def test_mass_slider_moves_the_curves_to_the_models_torques(motion: Tab) -> None
 
 def test_reference_and_misprints_are_plotted_for_comparison(motion: Tab) -> None:
     motion.dispatch(lambda s: actions.vary(actions.pin_reference(s), {"links.b4": 2.0}))
-    motion.element("as published").click()
+    motion.element("As published").click()
     until(lambda: motion.state.plots.published, "the switch is read")
     until(lambda: len(curves(motion)[0]) == 3 + 9, "nine curves")
     until(lambda: "as published" in motion.text("motion-numbers"), "numbers of all")

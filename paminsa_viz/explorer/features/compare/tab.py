@@ -65,11 +65,11 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
 
 def differences_html(design: Design, reference: Design, title: str) -> str:
     """Return a table of the numbers in which two designs differ; arguments as `torques_html`."""
-    table = changes_table(reference, design, (title, "current"))
+    table = changes_table(reference, design, (title, "Current"))
     if not table.rows:
         return note("differences", "No number differs.", muted=True)
     head = counted(len(table.rows), "number differs", "numbers differ")
-    shown = replace(table.columns(0, 3, 4, 5, hint=1), head=(head, title, "current", "change"))
+    shown = replace(table.columns(0, 3, 4, 5, hint=1), head=(head, title, "Current", "Change"))
     return blocks_html("differences", shown, look="pv-tight", bold=[2])
 
 
@@ -81,7 +81,7 @@ def _names(frame: Frame) -> str:
 def _compared_with(state: State) -> tuple[Design, str]:
     reference = state.document.reference
     if reference is not None:
-        return reference, "reference"
+        return reference, "Reference"
     return actions.appendix_of(state), "App. 4"
 
 

@@ -108,7 +108,7 @@ def range_entries(
 
     return (
         Dropdown(
-            f"{name}.range", "colors" if brief else "color range",
+            f"{name}.range", "Colors" if brief else "Color range",
             options={
                 "robust": RangeMode.AUTO, "full": RangeMode.FULL, "held": RangeMode.MANUAL
             },
@@ -118,7 +118,7 @@ def range_entries(
             read=mode, apply=choose_mode,
         ),
         Pair(
-            f"{name}.ends", "from–to" if brief else "ends",
+            f"{name}.ends", "From–to" if brief else "Ends",
             hint="Ends of the color range, in the unit of the color bar; editing them holds "
             "the range",
             step=step,
@@ -132,12 +132,12 @@ def switch_entries(name: str, *, brief: bool) -> tuple[Entry, Entry]:
     """Return the switches for a logarithmic scale and for the difference."""
     return (
         Checkbox(
-            f"{name}.log", "log" if brief else "log scale",
+            f"{name}.log", "Log" if brief else "Log scale",
             hint="Symmetric logarithm: linear around zero, logarithmic beyond, on both sides",
             **attribute("map_view.logarithmic"),
         ),
         Checkbox(
-            f"{name}.difference", "difference",
+            f"{name}.difference", "Difference",
             hint="Show the difference from the pinned reference (pin one to use this)",
             disabled=lambda state: state.document.reference is None,
             read=lambda state: state.map_view.difference, apply=set_difference,
@@ -150,7 +150,7 @@ def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
     return (
         *range_entries(name, picture, lambda _: QUANTITIES["tau_1"].unit, brief=True),
         Checkbox(
-            f"{name}.shared", "shared",
+            f"{name}.shared", "Shared",
             hint="One color range for all three maps, or one for each",
             **attribute("map_view.shared"),
         ),
@@ -166,7 +166,7 @@ def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
     """Return the entries next to the map of one quantity."""
     return (
         *quantity_inputs(
-            name, ("family", "show"), lambda state: state.map_view.quantity, choose_quantity,
+            name, ("Family", "Show"), lambda state: state.map_view.quantity, choose_quantity,
             ("Which quantities are offered below",
              "What this map and the floor map below the robot show"),
         ),

@@ -73,11 +73,11 @@ ENGINE = Follower(Place(lambda state: state.engine_answer), wanted_answer, ask_e
 INPUTS = (
     ENGINE.worker,
     Dropdown(
-        "plots.plot", "show", options=PLOTS, order=5, hint="What is plotted along the motion",
+        "plots.plot", "Show", options=PLOTS, order=5, hint="What is plotted along the motion",
         **attribute("plots.plot"),
     ),
     Dropdown(
-        "plots.actuator", "actuator", options=ACTUATORS, order=6,
+        "plots.actuator", "Actuator", options=ACTUATORS, order=6,
         hint="Whose torque is shown by its causes",
         visible=lambda state: state.plots.plot == "breakdown",
         **attribute("plots.actuator"),
@@ -85,7 +85,7 @@ INPUTS = (
     _engine_switch("plots.engine", "MuJoCo", 6.5),
     _engine_switch("plots.pinocchio", "Pinocchio", 6.6),
     Checkbox(
-        "plots.published", "as published", order=7,
+        "plots.published", "As published", order=7,
         hint="Dotted: what the paper's formulas give with all their misprints",
         visible=lambda state: state.plots.plot in (*COMPARED, "differences"),
         **attribute("plots.published"),
@@ -131,7 +131,7 @@ class MotionPlots:
         if found is not None and state.plots.plot == "differences":
             self._numbers.content = difference_html(self._drawn, found, time)
         else:
-            largest = "least" if state.plots.plot == "clearance" else "largest"
+            largest = "Least" if state.plots.plot == "clearance" else "Largest"
             self._numbers.content = numbers_html(self._drawn, self._read, time, largest)
 
     def _mark_piece(self, frame: Frame) -> None:
@@ -247,7 +247,7 @@ def least(t: Array, trace: Trace) -> Statistics:
 
 
 def numbers_html(
-    drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float, largest: str = "largest"
+    drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float, largest: str = "Largest"
 ) -> str:
     """Return the table of the curves: the value at the cursor, the largest one, the RMS.
 
@@ -263,7 +263,7 @@ def numbers_html(
         at = f"{peak_t:.3f} s" if math.isfinite(peak_t) else NONE
         values = (_value(chart.value_at(trace, time)), _value(peak), at, _value(mean))
         rows.append((trace, (*values, chart.unit), None))
-    heads = (f"at {time:.3f} s", largest, "at", "RMS", "")
+    heads = (f"At {time:.3f} s", largest, "At", "RMS", "")
     return render("motion/numbers.j2", heads=heads, rows=rows)
 
 
@@ -290,7 +290,7 @@ def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float)
             number(share, 2),
         )
         rows.append((trace, cells, share <= check.tolerance))
-    heads = (f"at {time:.3f} s", "largest", "RMS", "", "relative", "")
+    heads = (f"At {time:.3f} s", "Largest", "RMS", "", "Relative", "")
     return render("motion/numbers.j2", heads=heads, rows=rows)
 
 

@@ -42,7 +42,7 @@ const fillActuators = (robot, doc, solved) => {
       ? [number(pinned.torques[index], digits), number(torque - pinned.torques[index], digits)] : [];
     const swatch = `<span class="swatch" style="background: var(--m${index + 1})"></span>`;
     return [`${swatch}M${index + 1}`, position, `${number(torque, digits)} ${unit}`, ...other];
-  }), ["", "position", "static torque", ...(pinned ? ["pinned", "difference"] : [])]);
+  }), ["", "Position", "Static torque", ...(pinned ? ["Pinned", "Difference"] : [])]);
 };
 
 const fillMargins = (robot, doc, solved) => {
@@ -52,7 +52,7 @@ const fillMargins = (robot, doc, solved) => {
   fill("margins", PAGE.limits.map((label, limit) => [label, ...margins.map((leg, index) => {
     const text = number(1e3 * leg[limit], 1);
     return index + 1 === solved.leg && limit === solved.limit ? `<b>${text}</b>` : text;
-  })]), ["", "leg 1", "leg 2", "leg 3"]);
+  })]), ["", "Leg 1", "Leg 2", "Leg 3"]);
 };
 
 const fillQuality = (robot, doc, solved) => {

@@ -174,40 +174,40 @@ def test_caption_says_of_a_balanced_robot_that_torques_are_zero_everywhere() -> 
 
 @pytest.mark.slow
 def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:
-    ends = desk.handle("from–to")
+    ends = desk.handle("From–to")
     desk.until(lambda: desk.panel._torques.scales)
     scale = desk.panel._torques.scales[0]
     desk.until(lambda: ends.value == (scale.low, scale.high))
-    desk.set("from–to", [-8.0, 5e10])
+    desk.set("From–to", [-8.0, 5e10])
     desk.noticed("color range")
     desk.until(lambda: ends.value == (scale.low, scale.high))
     assert desk.state.map_view.range_mode is RangeMode.AUTO
-    desk.set("from–to", [-2.5, 4.0])
+    desk.set("From–to", [-2.5, 4.0])
     desk.until(lambda: desk.panel._torques.scales[0].low == -2.5)
-    desk.until(lambda: desk.handle("colors").value == "held")
+    desk.until(lambda: desk.handle("Colors").value == "held")
 
 
 @pytest.mark.slow
 def test_range_is_set_in_the_unit_shown(desk: Desk) -> None:
     desk.dispatch(lambda s: choose_quantity(s, "reach_margin"))
-    desk.set("ends", [10.0, 120.0])
+    desk.set("Ends", [10.0, 120.0])
     desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
     view = desk.state.map_view
     assert (view.low, view.high, view.quantity) == pytest.approx((0.01, 0.12, "reach_margin"))
-    desk.set("from–to", [-1.0, 1.0])  # of the torque maps
+    desk.set("From–to", [-1.0, 1.0])  # of the torque maps
     desk.until(lambda: desk.state.map_view.quantity == "max_torque")
 
 
 @pytest.mark.slow
 def test_difference_needs_a_reference(desk: Desk) -> None:
-    switch = desk.handle("difference")
+    switch = desk.handle("Difference")
     assert switch.disabled
-    desk.set("difference", True)
+    desk.set("Difference", True)
     desk.noticed("reference")
     desk.until(lambda: switch.value is False)
     desk.dispatch(actions.pin_reference)
     desk.until(lambda: not switch.disabled)
-    desk.set("difference", True)
+    desk.set("Difference", True)
     desk.until(lambda: desk.panel._torques.data.names[0] == "Δτ₁")
     desk.dispatch(actions.unpin_reference)
     desk.until(lambda: switch.disabled and not switch.value)
@@ -240,11 +240,11 @@ def test_a_family_of_quantities_is_chosen_first(desk: Desk) -> None:
     )
     kept = family.apply(choose_quantity(desk.state, "rms_torque"), "static torques")
     assert kept.map_view.quantity == "rms_torque"
-    desk.set("family", "kinematics")
+    desk.set("Family", "kinematics")
     desk.until(lambda: desk.state.map_view.quantity == "condition")
     offered = [quantity.label for quantity in families()["kinematics"]]
-    desk.until(lambda: list(desk.handle("show").options) == offered)
-    desk.until(lambda: desk.handle("show").value == offered[0])
+    desk.until(lambda: list(desk.handle("Show").options) == offered)
+    desk.until(lambda: desk.handle("Show").value == offered[0])
     desk.dispatch(lambda s: choose_quantity(s, "f_4"))
-    desk.until(lambda: desk.handle("family").value == "static torques")
-    desk.until(lambda: desk.handle("show").value == QUANTITIES["f_4"].label)
+    desk.until(lambda: desk.handle("Family").value == "static torques")
+    desk.until(lambda: desk.handle("Show").value == QUANTITIES["f_4"].label)

@@ -168,7 +168,7 @@ def test_person_changes_undoes_shares_and_saves(opened: Opened) -> None:
     page.reload()
     opened.wait_drawn()
     opened.wait(lambda found: found == balanced)
-    assert page.get_by_role("columnheader", name="difference").count() == 1
+    assert page.get_by_role("columnheader", name="Difference").count() == 1
 
 
 @pytest.mark.browser
