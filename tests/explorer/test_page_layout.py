@@ -170,6 +170,35 @@ MEASURE = """uuids => uuids.map(uuid => {
           room: field.clientWidth - field.scrollWidth};
 })"""
 
+COLUMN = """() => [...document.querySelectorAll('[data-paminsa-mark~="row"]')]
+  .map((row) => [row, row.querySelector("input:not([type=hidden])")])
+  .filter(([, field]) => field?.checkVisibility())
+  .map(([row, field]) => {
+    const switched = field.type === "checkbox";
+    const {paddingLeft, textAlign} = getComputedStyle(field);
+    return {name: row.querySelector("label").textContent,
+            left: (switched ? field.parentElement : field).getBoundingClientRect().left,
+            text: switched ? "" : `${paddingLeft} ${textAlign}`};
+  })"""
+"""Where the boxes of inputs begin, and where their texts do [px]."""
+
+
+def test_boxes_and_their_texts_begin_below_each_other(tab: Tab) -> None:
+    tab.open_tab("Simulate")
+    names = ("Control", "Bandwidth", "Friction is known")
+
+    def column() -> list[Any]:
+        found = tab.page.evaluate(COLUMN)
+        return [one for name in names for one in found if one["name"].startswith(name)]
+
+    found = until(lambda: len(column()) == len(names) and column(), "the inputs")
+    lefts = [one["left"] for one in found]
+    assert max(lefts) - min(lefts) < 1, found
+    tab.open_tab("Single map")
+    pair = next(one for one in tab.page.evaluate(COLUMN) if one["name"] == "Ends")
+    assert {one["text"] for one in (*found, pair) if one["text"]} == {pair["text"]}
+
+
 ROOMS = """one => [...one.closest(".mantine-Flex-root").querySelectorAll("[inputmode]")]
   .map(field => field.clientWidth - field.scrollWidth)"""
 
@@ -202,7 +231,7 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["end"] <= width, f"the number of {text} is off the page"
     tab.open_tab("Single map")
     tab.dispatch(lambda s: s.updated("map_view", quantity="utilization"))  # of many digits
-    ends = tab.element("ends")
+    ends = tab.element("Ends")
     until(lambda: "." in ends.input_value(), "the range of the quantity")
     rooms = ends.evaluate(ROOMS)
     assert len(rooms) == 2

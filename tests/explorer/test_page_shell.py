@@ -296,12 +296,29 @@ LABELS = """() => [...document.querySelectorAll("p > label[for]")]
   .map(label => label.textContent).filter(text => /_/.test(text))"""
 
 
+SYMBOLS = """() => [...document.querySelectorAll(".pv-symbol")]
+  .filter(one => one.checkVisibility()).map(one => one.innerHTML)"""
+
+
 def test_symbols_have_subscripts_and_no_underscores(tab: Tab) -> None:
     tab.open_tab("Masses")
     symbol = tab.page.locator(".pv-symbol", has_text="mB3").first
     until(symbol.is_visible, "a typeset symbol")
     assert symbol.locator("sub").inner_text() == "B3"
     assert tab.page.evaluate(LABELS) == []
+    shown = tab.page.evaluate(SYMBOLS)
+    assert "<i>m</i><sub>2</sub> shaft, arm" in shown  # as m_B3: one look for all of them
+    tab.open_tab("Lengths")
+    shown = until(lambda: tab.page.evaluate(SYMBOLS), "the symbols of lengths")
+    assert {"<i>k</i>", "<i>l</i><sub>B4</sub> = <i>k</i>·<i>l</i><sub>B7</sub>"} <= {*shown}
+
+
+def test_name_with_a_symbol_switches_its_checkbox(tab: Tab) -> None:
+    tab.open_tab("Balance")
+    tab.page.get_by_text("Optimization settings", exact=True).click()
+    before = tab.state.balance.settings.exact
+    tab.page.locator(".pv-symbol", has_text="Only Mp2 = 0").click()
+    until(lambda: tab.state.balance.settings.exact != before, "the switch of the name")
 
 
 HURRY = """() => {

@@ -81,9 +81,11 @@
     ['[data-testid="motion-points"]', 2, "motion-points"],
     ['[role="tab"][title="Robot"]', 1, "workspaces"],
     [FIRST_TABS, 1, "tabs"],
+    ['[role="tab"][title="Manufacture"]', 1, "inner-tabs"],
     ['[role="tab"][title="Torque maps"]', 1, "dock-tabs"],
     ["p > label[for]", 2, "label"],
     ["p > label[for]", 3, "row"],
+    ["p > label[for]:empty", 2, "no-label"],
   ];
   for (const [selector, levels, name] of MARKS)
     watch(selector, (found) => mark(above(found, levels), name, found));

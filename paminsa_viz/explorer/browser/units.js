@@ -1,6 +1,6 @@
 /**
  * Puts the unit of an input behind its field: of a label `x [mm]`, the name is seen before it; and
- * sets symbols such as `m_B3` with their subscripts.
+ * sets symbols such as `m_B3`, `m₂` and `k` as variables, with their subscripts.
  *
  * The style sheet shows name and unit from attributes; a name with subscripts is an element beside
  * the label. The label's own text stays as it is, unseen:
@@ -21,10 +21,12 @@
     if (text) element.setAttribute(name, text);
     else element.removeAttribute(name);
   };
-  const SYMBOL = /\b([A-Za-z])_([A-Za-z0-9]+)/;
+  // A variable: a letter with its index, `m_B3` or `m₂`, or one that stands alone.
+  const SYMBOL = /(?<![\p{L}\p{N}])(?:([A-Za-z])(?:_([A-Za-z0-9]+)|([₀-₉]+))|([EGIJgkrtxyzθ])(?![\p{L}\p{N}]))/gu;
+  const onLine = (digits) => digits.replace(/[₀-₉]/g, (digit) => digit.charCodeAt(0) - 0x2080);
   const typeset = (label, name) => {
     let shown = label.parentElement.querySelector(":scope > .pv-symbol");
-    if (!SYMBOL.test(name)) {
+    if (name.search(SYMBOL) < 0) {
       shown?.remove();
       label.removeAttribute("data-paminsa-unseen");
       return;
@@ -33,19 +35,22 @@
       shown = document.createElement("span");
       shown.className = "pv-symbol";
       shown.setAttribute("aria-hidden", "true");
+      shown.onclick = () => label.click(); // as the label does that it stands for
       label.after(shown);
     }
     label.dataset.paminsaUnseen = "";
     const plain = document.createElement("i");
     plain.textContent = name;
-    const html = plain.innerHTML.replace(new RegExp(SYMBOL, "g"), "<i>$1</i><sub>$2</sub>");
+    const html = plain.innerHTML.replace(SYMBOL, (_, letter, below, digits, alone) =>
+      alone ? `<i>${alone}</i>` : `<i>${letter}</i><sub>${below ?? onLine(digits)}</sub>`);
     if (shown.innerHTML !== html) shown.innerHTML = html;
   };
   window.paminsaMarks.watch("p > label[for]", (label) => {
     const row = label.closest('[data-paminsa-mark~="row"]');
     const field = row?.lastElementChild;
-    if (!field || field.contains(label) || !field.querySelector(".mantine-NumberInput-root")) return;
+    if (!field || field.contains(label)) return;
     const text = label.textContent.trim();
+    if (!field.querySelector(".mantine-NumberInput-root")) return typeset(label, text);
     const { name, unit } = split(text);
     set(label, "data-paminsa-name", name);
     typeset(label, name ?? text);

@@ -274,7 +274,7 @@ STIFFNESS = (
         "The robot under the load case, enlarged",
     ),
     layer_switch(
-        "stiffness.compliance", "compliance", "Compliance ellipsoid",
+        "stiffness.compliance", "compliance", "Compliance",
         "Displacements by 100 N in every direction",
     ),
     _folder("Material", MATERIAL, opened=False),
