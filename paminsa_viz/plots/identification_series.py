@@ -75,7 +75,6 @@ def log_charts(found: Identification, actuator: int) -> tuple[Chart, Chart]:
     )
     rest = (curve("residual", found.residual, color, "solid", 0.9),)
     return (
-        Chart(f"Measured, and predicted (dashed): {name}", unit.text, times, torque, failing,
-              times.size),
-        Chart(f"Residual: {name}", unit.text, times, rest, failing, times.size),
-    )  # fmt: skip
+        Chart(f"Measured, and predicted (dashed): {name}", unit.text, times, torque, failing),
+        Chart(f"Residual: {name}", unit.text, times, rest, failing),
+    )

@@ -47,7 +47,6 @@ class Trace:
         suffix: What follows the panel's source where traces of several panels share axes:
             ``"reference"`` in ``"M1 reference"``; None if its own label does there as well.
         marks: Whether its values are drawn as marks; between them it has none.
-        until: Samples before its own motion first fails; None for all.
         peak: Time [s] and value of a marked point, the largest in size; None for none.
         band: RMS, drawn as a band to both sides of zero; None for none.
     """
@@ -59,7 +58,6 @@ class Trace:
     width: float = 1.0
     suffix: str | None = None
     marks: bool = False
-    until: int | None = None
     peak: tuple[float, float] | None = None
     band: float | None = None
 

@@ -55,9 +55,7 @@ def load_panels(sources: SeriesSources) -> Iterator[SeriesPanel]:
             if np.isfinite(column).any():
                 top = int(np.nanargmax(column))
                 peak = (float(time[top]), float(column[top]))
-            made.append(
-                Trace(f"leg {leg + 1}", column, color, peak=peak, until=analysis.check.until)
-            )
+            made.append(Trace(f"leg {leg + 1}", column, color, peak=peak))
         return tuple(made)
 
     def panel(name: str, symbol: str, unit: str, values: Values | None) -> SeriesPanel:
@@ -244,8 +242,7 @@ def _compared(
         if analysis is None:
             continue
         color = fixed or panel.color
-        until = analysis.check.until
-        trace = Trace(label, values(analysis)[:, j], color, dash, width, suffix, until=until)
+        trace = Trace(label, values(analysis)[:, j], color, dash, width, suffix)
         if annotate is not None and analysis.summary:
             trace, note = annotate(analysis.summary[j], trace)
             notes.append((f"{suffix}: {note}" if suffix else note, color))
@@ -409,8 +406,7 @@ def _differences(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the formulas' torques minus an engine's, with those of the formulas as published."""
     other, formulas = sources.other, replace(sources, reference=None)
     for j, panel in _actuators(SYMBOLS, TORQUE_UNITS):
-        drawn = _compared(panel, j, formulas, lambda a: other.pick(a.torque) - other.torque)
-        yield replace(drawn, traces=tuple(replace(trace, until=None) for trace in drawn.traces))
+        yield _compared(panel, j, formulas, lambda a: other.pick(a.torque) - other.torque)
 
 
 def _difference(panel: SeriesPanel, what: str, t: Values, values: Values) -> SeriesPanel:

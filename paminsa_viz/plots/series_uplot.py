@@ -75,7 +75,6 @@ class Chart:
         t: (n,) [s].
         traces: The curves, in that unit.
         failing: (n,) where the motion fails.
-        until: Samples before the first failure; numbers in tables are for these.
     """
 
     title: str
@@ -83,7 +82,6 @@ class Chart:
     t: Values
     traces: tuple[Trace, ...]
     failing: NDArray[np.bool_]
-    until: int
 
     def value_at(self, trace: Trace, time: float) -> float:
         """Return a curve at a time [s], linear between samples; NaN where there is none."""
@@ -124,7 +122,7 @@ def _chart(data: SeriesData, title: str, panels: tuple[SeriesPanel, ...]) -> Cha
         )
         for panel, trace in traces
     )  # fmt: skip
-    return Chart(f"{title} [{unit.text}]", unit.text, data.time, drawn, data.failing, data.until)
+    return Chart(f"{title} [{unit.text}]", unit.text, data.time, drawn, data.failing)
 
 
 def trace_order(trace: Trace) -> int:

@@ -15,7 +15,7 @@ from paminsa_viz.plots.series_uplot import Chart
 
 T = np.array([0.0, 1.0])
 CHART = Chart(
-    "τ", "N·m", T, (Trace("predicted", T, LIGHT.ink, "dashed", 0.9),), np.zeros(2, dtype=bool), 2
+    "τ", "N·m", T, (Trace("predicted", T, LIGHT.ink, "dashed", 0.9),), np.zeros(2, dtype=bool)
 )  # fmt: skip
 
 

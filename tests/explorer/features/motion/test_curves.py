@@ -69,7 +69,7 @@ def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> 
     np.testing.assert_allclose([trace.values for trace in lifting.traces], forces, atol=1e-10)
     own = (*turning.traces[:3], lifting.traces[0])
     for trace, summary in zip(own, found.analysis.summary, strict=True):
-        peak, peak_t, mean = statistics(turning.t, trace, turning.until)
+        peak, peak_t, mean = statistics(turning.t, trace)
         assert (peak, peak_t) == (summary.peak, summary.peak_t)
         assert mean == pytest.approx(summary.rms, rel=1e-12)
 
@@ -134,10 +134,9 @@ def test_no_curve_is_drawn_over_a_gap() -> None:
     values = np.array([np.nan, 1.0, 2.0, np.nan, np.nan, 3.0, np.nan, 4.0])
     assert runs(values) == [slice(1, 3), slice(5, 6), slice(7, 8)]
     trace = Trace("c", values, "#000000")
-    chart = Chart("a", "b", np.arange(8.0), (trace,), np.isnan(values), 0)
+    chart = Chart("a", "b", np.arange(8.0), (trace,), np.isnan(values))
     pieces = series_uplot.uplot_data(chart, 3)[3:]
     assert [int((~np.isnan(piece)).sum()) for piece in pieces] == [2, 1, 1]
-    assert np.isnan(statistics(chart.t, trace, 0).peak)
     assert statistics(chart.t, trace)[:2] == (4.0, 7.0)
     # Pieces count by their time; a single sample takes none.
     line = Trace("d", np.array([3.0, 3.0, 3.0, np.nan, -4.0, -4.0]), "#000000")
