@@ -19,7 +19,7 @@ from paminsa_viz.explorer.features.pose.tab import (
     torques_html,
 )
 from paminsa_viz.explorer.kit.entries import ButtonGroup, Effect, Html
-from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
+from paminsa_viz.explorer.kit.robot_texts import line_texts, of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.state import State
@@ -43,8 +43,7 @@ def springs_html(frame: Frame) -> str:
     held = relieved(frame.state, frame.torques)
     if held is None:
         return ""
-    digits = decimals(frame.shown_design)
-    return render("springs/strip.j2", torques=held.tolist(), decimals=digits)
+    return render("springs/strip.j2", texts=line_texts(frame.shown_design, held))
 
 
 def strip_html(frame: Frame) -> str:

@@ -7,7 +7,9 @@ import math
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.model import APPENDIX_4, Design, static_imbalance
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.units import fixed
 
 
 def gray_if(stale: bool, *texts: str) -> str:
@@ -31,6 +33,19 @@ def decimals(design: Design) -> tuple[int, int]:
     size = weight + math.log10(length_ratio(design.geometry))
     # beyond -8 and -6 a line would be too short
     return max(3 - round(max(size, -8.0)), 0), max(2 - round(max(weight, -6.0)), 0)
+
+
+def line_texts(design: Design, torques: Array) -> list[str]:
+    """Return torques of M1..M3 [N m] and the force of M4 [N] for one line, with `decimals`.
+
+    Next to a singularity they have a decimal less for each digit more, so that the line stays one.
+    """
+    texts = []
+    for index, value in enumerate(torques.tolist()):
+        digits, usual = decimals(design)[index == 3], 5 if index == 3 else 4
+        whole = math.floor(math.log10(abs(value))) + 1 if value and math.isfinite(value) else 0
+        texts.append(fixed(value, max(digits - max(whole + digits - usual, 0), 0)))
+    return texts
 
 
 def _own_mass(design: Design) -> float:

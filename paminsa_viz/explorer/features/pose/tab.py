@@ -15,7 +15,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.design_numbers import of_size, shrunk
 from paminsa_viz.explorer.kit.entries import Button, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
-from paminsa_viz.explorer.kit.robot_texts import decimals, of_pose
+from paminsa_viz.explorer.kit.robot_texts import decimals, line_texts, of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -77,7 +77,7 @@ def _at_rest(name: str, frame: Frame, **values: Any) -> str:
 
 def load_html(frame: Frame) -> str:
     """Return the static torques in one line."""
-    return _at_rest("load", frame)
+    return render("pose/load.j2", texts=line_texts(frame.shown_design, frame.torques))
 
 
 def actuators_html(frame: Frame) -> str:

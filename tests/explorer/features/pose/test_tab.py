@@ -32,7 +32,7 @@ from paminsa_viz.explorer.features.pose.tab import (
 from paminsa_viz.explorer.kit.bindings import Panel
 from paminsa_viz.explorer.kit.entries import given as given_in
 from paminsa_viz.explorer.kit.inputs import Slider
-from paminsa_viz.explorer.kit.robot_texts import gauge_html
+from paminsa_viz.explorer.kit.robot_texts import gauge_html, line_texts
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.page import opening_state
 from paminsa_viz.explorer.state.state import initial_state
@@ -134,7 +134,19 @@ def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None
 def test_torques_of_a_robot_whose_bars_alone_are_long_keep_their_digits() -> None:
     """Its masses are the prototype's: torques of some N m had one decimal."""
     frame = compute(opening_state(APPENDIX_4.vary(LONG_BARS)))
-    assert all(len(text.partition(".")[2]) == 3 for text in numbers_in(load_html(frame))[:3])
+    assert all(len(text.partition(".")[2]) == 3 for text in numbers_in(torques_html(frame))[:3])
+
+
+def test_large_torques_make_their_line_no_longer() -> None:
+    """Next to a singularity, where they grow without bound."""
+    for torques, texts in (
+        ((9.9994, -10.006, 0.0, 999.994), ["9.999", "−10.01", "0.000", "999.99"]),
+        ((-367.833, 4321.5, 98765.4, -1234.56), ["−367.8", "4322", "98765", "−1234.6"]),
+    ):
+        assert line_texts(APPENDIX_4, np.array(torques)) == texts
+    tiny = line_texts(prototype_times(0.1), np.array((9.23e-5, -0.012345, 0.1, 0.5)))
+    assert tiny == ["0.0000923", "−0.01235", "0.1000", "0.50000"]
+    assert line_texts(APPENDIX_4, np.array([np.nan, np.inf, 0.0, 0.0]))[3] == "0.00"
 
 
 def test_page_opens_where_gravity_loads_the_actuators_of_a_robot_of_any_size() -> None:
