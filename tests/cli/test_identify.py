@@ -128,7 +128,7 @@ def test_poor_motion_leaves_unknowns_and_accuses_nobody(capsys) -> None:
     Path("log.csv").write_bytes(table_csv(log_table(log)))
     found = run_json("identify", capsys, "log.csv")
     unknown = {item["symbol"]: item["reason"] for item in found["parameters"] if not item["known"]}
-    assert {"b_7", "b_v4", "c4", "b_9"} <= set(unknown)
+    assert {"b_7", "b_v4", "c_4", "b_9"} <= set(unknown)
     assert all("would tell it" in reason for reason in unknown.values())
     assert "vertical accelerations" in unknown["b_7"]
     assert found["identity"]["holds"] is None

@@ -64,8 +64,8 @@ map --at nan 0                                      | --at: finite numbers are n
 map --own-ranges --quantity condition               | --own-ranges is for the three torques
 accuracy --seed 3                                   | --seed needs --robots
 balance --goal peak --criterion moved               | --criterion needs --goal static
-calibrate --propose 20 --validate 0.3 --out x.csv   | --validate needs LOG
-calibrate --propose 20 --all --out x.csv            | --all needs LOG
+calibrate --propose 20 --validate 0.3 --out x.csv   | --validate needs POSES.csv
+calibrate --propose 20 --all --out x.csv            | --all needs POSES.csv
 calibrate in.csv --seed 5                           | --seed needs --validate or --propose
 clearance --theta 5                                 | --theta needs --poses
 clearance --seed 9                                  | --seed needs --poses

@@ -89,7 +89,7 @@ def test_robot_cursors_and_numbers_are_at_the_chosen_instant(motion: Tab) -> Non
             return all(x is not None and abs(x - t) < 0.01 for x in found)
 
         until(at_the_instant, f"the cursors at {time}")
-        until(lambda t=time: f"at {t:.3f} s" in motion.text("motion-numbers"), f"numbers at {time}")
+        until(lambda t=time: f"At {t:.3f} s" in motion.text("motion-numbers"), f"numbers at {time}")
         np.testing.assert_allclose(motion.state.last_reachable.pose, wanted, atol=1e-12)
     motion.click_in(motion.page.locator(".u-over").first)
     half = planned(motion).duration / 2

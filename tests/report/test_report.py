@@ -193,11 +193,13 @@ def test_balance_is_shown_unless_the_design_is_balanced() -> None:
     motion = request_for().trajectory
     tables = blocks(balance_section(analyze(APPENDIX_4, motion)), Table)
     assert "+994 %" in tables[1].rows[0].cells
-    assert tables[2].rows[0].cells == ("M_p2 [N]", "9.1", "0", "−100 %")
+    assert tables[2].rows[0].cells == ("M_p2 [N]", "9.100", "0", "−100 %")
     after = balance(APPENDIX_4).after
     peaks = analyze(after, motion).summary
     assert tables[2].rows[2] == Row(("largest in motion",), "group")
-    assert [row.cells[2] for row in tables[2].rows[3:7]] == [number(abs(s.peak)) for s in peaks]
+    assert [row.cells[2] for row in tables[2].rows[3:7]] == [
+        number(abs(s.peak), padded=True) for s in peaks
+    ]
     notes = blocks(balance_section(analyze(after, motion)), Note)
     assert any("is balanced" in note.text for note in notes)
 
