@@ -25,9 +25,7 @@ from paminsa_viz.model import APPENDIX_4, Design, backend
 from tests.support.chromium import FLAGS, Tab, browser_path, until
 
 FOLDER = Path(__file__).parent / "images"
-WIDTH, HEIGHT, TALL = 1400, 900, 1500
-PANEL = 385
-"""Width of the controls [px]."""
+WIDTH, HEIGHT = 1400, 900
 
 LOADED = replace(
     APPENDIX_4, name="Loaded", load=replace(APPENDIX_4.load, force_x=15.0, force_y=-20.0,
@@ -141,29 +139,26 @@ def forces(tab: Tab) -> None:
         tab.page.get_by_role("button", name="Collapse panel area").first.click()
 
 
-Take = tuple[Callable[[Tab], None], dict[str, Any], int, bool]
-"""What is done, options of the browser's context, height of the window [px], and whether the
-panel of the controls alone is taken."""
-
-PICTURES: dict[str, Take] = {
-    "explorer": (explorer, {}, HEIGHT, False),
-    "motion": (motion, {}, HEIGHT, False),
-    "dark": (dark, {"color_scheme": "dark"}, HEIGHT, False),
-    "requirements": (requirements, {}, HEIGHT, False),
-    "synthesize": (synthesize, {}, HEIGHT, False),
-    "accuracy": (accuracy, {}, HEIGHT, False),
-    "loads": (loads, {}, HEIGHT, False),
-    "vibration": (vibration, {}, HEIGHT, False),
-    "forces": (forces, {}, HEIGHT, False),
-    "identify": (identify, {}, TALL, True),
-    "drives": (drives, {}, TALL, True),
+PICTURES: dict[str, tuple[Callable[[Tab], None], dict[str, Any]]] = {
+    "explorer": (explorer, {}),
+    "motion": (motion, {}),
+    "dark": (dark, {"color_scheme": "dark"}),
+    "requirements": (requirements, {}),
+    "synthesize": (synthesize, {}),
+    "accuracy": (accuracy, {}),
+    "loads": (loads, {}),
+    "vibration": (vibration, {}),
+    "forces": (forces, {}),
+    "identify": (identify, {}),
+    "drives": (drives, {}),
 }
+"""What is done for each, and options of the browser's context."""
 
 
 def take(browser: Any, app: App, name: str) -> None:
     """Take one picture."""
-    prepare, options, height, panel = PICTURES[name]
-    context = browser.new_context(viewport={"width": WIDTH, "height": height}, **options)
+    prepare, options = PICTURES[name]
+    context = browser.new_context(viewport={"width": WIDTH, "height": HEIGHT}, **options)
     try:
         tab = Tab(context.new_page(), app, drawn=True)
         tab.wait_frames(3000)
@@ -173,9 +168,7 @@ def take(browser: Any, app: App, name: str) -> None:
         prepare(tab)
         tab.page.mouse.move(WIDTH / 2 - 150, 120)  # off tables and bodies, which would mark it
         tab.wait_frames(8000)  # maps and bodies at full resolution
-        left = WIDTH - PANEL if panel else 0
-        clip = {"x": left, "y": 0, "width": WIDTH - left, "height": height}
-        tab.page.screenshot(path=FOLDER / f"{name}.png", clip=clip)
+        tab.page.screenshot(path=FOLDER / f"{name}.png")
     finally:
         context.close()
 
