@@ -40,9 +40,11 @@ def line_texts(design: Design, torques: Array) -> list[str]:
 
     Next to a singularity they have a decimal less for each digit more, so that the line stays one.
     """
+    of_torque, of_force = decimals(design)
     texts = []
-    for index, value in enumerate(torques.tolist()):
-        digits, usual = decimals(design)[index == 3], 5 if index == 3 else 4
+    for value, digits, usual in zip(
+        torques.tolist(), (*[of_torque] * 3, of_force), (4, 4, 4, 5), strict=True
+    ):
         whole = math.floor(math.log10(abs(value))) + 1 if value and math.isfinite(value) else 0
         texts.append(fixed(value, max(digits - max(whole + digits - usual, 0), 0)))
     return texts
