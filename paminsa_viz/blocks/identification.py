@@ -59,7 +59,7 @@ def estimates_table(findings: Findings) -> Table:
         text = "unknown"
         if item.known:
             text = interval_text(factor * item.value, factor * item.half_width)
-        held = number(factor * summed.get(item.symbol, p.design), 4)
+        held = number(factor * summed.get(item.symbol, p.design), 4, padded=True)
         cells = (heading(item.symbol, p.unit), p.label, text, held)
         found.append(Row(cells, _estimate_kind(item), hint=item.reason()))
     caption = "Numbers that the log tells; marked where the design's is outside the interval."
@@ -170,10 +170,11 @@ def masses_table(findings: Findings) -> Table:
     found = []
     for item in findings.nearest.masses:
         p, factor = item.parameter, item.parameter.display.factor
-        text, why = number(factor * item.value, 4), "as designed: not in the log"
+        text, held = (number(factor * value, 4, padded=True) for value in (item.value, item.prior))
+        why = "as designed: not in the log"
         if item.told:
             text, why = interval_text(factor * item.value, factor * item.deviation), ""
-        cells = (heading(p.symbol, p.unit), p.label, text, number(factor * item.prior, 4), why)
+        cells = (heading(p.symbol, p.unit), p.label, text, held, why)
         found.append(Row(cells, "plain" if item.told else "muted"))
     caption = (
         "Masses nearest to the design that explain the log; ± is one standard deviation, given the "

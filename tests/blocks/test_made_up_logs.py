@@ -59,7 +59,7 @@ def test_estimates_are_marked_where_the_design_is_outside_their_interval() -> No
     rounding = SimpleNamespace(unit="N", label="imbalance", design=-1.3e-15)
     one.design, one.estimates = balanced, [estimate(symbol="M_p2", parameter=rounding)]
     assert cells(identification.estimates_table(findings))[0][3] == "0"
-    assert table.rows[0].cells == ("l [mm]", "a length", "301.0 ± 2.0", "300")
+    assert table.rows[0].cells == ("l [mm]", "a length", "301.0 ± 2.0", "300.0")
     assert table.rows[4].cells[2] == "unknown"
     assert table.rows[0].hint == "why"
 
@@ -118,7 +118,7 @@ def test_masses_that_a_log_tells_and_those_that_keep_their_design() -> None:
     findings: Any = SimpleNamespace(nearest=SimpleNamespace(masses=items))
     table = identification.masses_table(findings)
     assert [row.cells[2:] for row in table.rows] == [
-        ("1.250 ± 0.050", "1.2", ""), ("1.25", "1.2", "as designed: not in the log"),
+        ("1.250 ± 0.050", "1.200", ""), ("1.250", "1.200", "as designed: not in the log"),
     ]  # fmt: skip
     assert [row.kind for row in table.rows] == ["plain", "muted"]
     assert table.words == 2
