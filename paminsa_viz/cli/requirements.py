@@ -171,9 +171,10 @@ class Largest(JsonFlags, RequirementFlags):
 
     grow: Literal["all", "horizontal", "vertical"] = "all"
     """Which extents grow; the others are kept."""
-    tolerance: Annotated[float, tyro.conf.arg(metavar="MM")] = 1.0
+    tolerance: Annotated[OrNone[float], tyro.conf.arg(metavar="MM")] = None
     """Gap between what is proven, or holds at samples, and a pose that breaks a requirement, at
-    which to stop [mm]."""
+    which to stop [mm]. 1 mm at Appendix 4's l_B3 + l_B4 if left out, in proportion to the
+    robot's."""
     time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
     """Time after which to stop [s]; the gap is then what it is."""
     both_sides: bool = False
@@ -183,7 +184,7 @@ class Largest(JsonFlags, RequirementFlags):
         """Search and print."""
         design, requirements = self.given()
         _check_time(self.time)
-        if not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
+        if self.tolerance is not None and not 0.0 < self.tolerance < math.inf:
             raise UsageError(f"--tolerance: a number above 0 is needed, not {self.tolerance}")
         if requirements.workspace is None:
             raise UsageError("a shape is needed: --cylinder or --box, or that of a design file")
@@ -191,7 +192,7 @@ class Largest(JsonFlags, RequirementFlags):
             design,
             requirements,
             growth=_GROWTH[self.grow],
-            tolerance=self.tolerance / MM,
+            tolerance=None if self.tolerance is None else self.tolerance / MM,
             time_limit=self.time,
             both_sides=self.both_sides,
         )

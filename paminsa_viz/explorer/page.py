@@ -38,7 +38,7 @@ from paminsa_viz.explorer.tabs import (
     sections,
 )
 from paminsa_viz.model import Design
-from paminsa_viz.model.resizing import radius_ratio
+from paminsa_viz.model.resizing import plain_decimals, radius_ratio
 from paminsa_viz.quantities.requirements import Requirements
 
 
@@ -59,8 +59,9 @@ def opening_state(design: Design, requirements: Requirements | None = None) -> S
     if requirements is not None:
         start = start.updated("document", requirements=requirements)
     x, y, theta = OPENING
-    size = radius_ratio(design.geometry)
-    moved = actions.move(start, x=round(size * x, 3), y=round(size * y, 3), theta=theta)
+    size, decimals = radius_ratio(design.geometry), plain_decimals(design.geometry)
+    x, y = round(size * x, decimals), round(size * y, decimals)
+    moved = actions.move(start, x=x, y=y, theta=theta)
     return moved if compute(moved).health is Health.OK else start
 
 

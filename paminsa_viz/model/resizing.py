@@ -7,6 +7,7 @@ are those of the tube alone.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -149,6 +150,11 @@ def radius_ratio(geometry: Geometry) -> float:
 def is_comparable(ratio: float) -> bool:
     """Whether a length is so near Appendix 4's that what is chosen for its robot holds as well."""
     return 0.5 < ratio < 2.0
+
+
+def plain_decimals(geometry: Geometry) -> int:
+    """Return the decimals of plain positions [m]: a millimeter's, more for a small robot."""
+    return max(3, 3 - round(math.log10(length_ratio(geometry))))
 
 
 def _span(geometry: Geometry) -> float:

@@ -274,7 +274,7 @@ def test_a_box_is_cut_along_its_longest_side() -> None:
     rng = np.random.default_rng(1)
     middle, half = rng.uniform(-1, 1, (2000, 4)), rng.uniform(0, 1, (2000, 4))
     half[:, 2] /= TURN_LENGTH
-    center, size = (part.reshape(2, -1, 4) for part in bisection._cut(middle, half))
+    center, size = (part.reshape(2, -1, 4) for part in bisection._cut(middle, half, TURN_LENGTH))
     side = np.argmax(half * [1.0, 1.0, TURN_LENGTH, 1.0], axis=1)
     assert set(side.tolist()) == {0, 1, 2, 3}
     cut = np.eye(4, dtype=bool)[side]

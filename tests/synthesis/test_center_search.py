@@ -22,6 +22,7 @@ from paminsa_viz.synthesis.proof.regions import (
     freedom,
     from_unit,
 )
+from tests.support.samples import enlarged
 
 BOX = WorkspaceShape.BOX
 REGION = PoseRegion(BOX, (0.0, 0.0, -0.5), (0.1, 0.1, 0.2), (-0.3, 0.5))
@@ -426,7 +427,7 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
         ((True, True, True), lambda row: 1.0 if row[0] else 0.9985, (0.012, 0.035, -0.512)),
         ((True, True, True), lambda row: 1.0 if row[0] else 0.9995, (0.0, 0.0, -0.512)),
         (
-            (True, True, True), lambda row: 1.0 if row[0] == 0.01234 else 0.9985,
+            (True, True, True), lambda row: 1.0 if row[0] == pytest.approx(0.01234) else 0.9985,
             (0.01234, 0.03456, -0.51234),
         ),
         ((True, True, True), lambda row: 1.0 if row[0] else 1.0 - 1e-3, (0.0, 0.0, -0.512)),
@@ -436,14 +437,19 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
     ],
 )  # fmt: skip
 def test_a_plain_place_is_taken_where_it_costs_nothing(free: Any, kept: Any, expected: Any) -> None:
-    """On the axis, else to whole millimeters, within a thousandth of the scale."""
-    place = np.array([0.01234, 0.03456, -0.51234]), 1.0
-    rounds = Rounds(lambda row, _: kept(row), lambda n: 0, [place])
-    rounds.made._free = np.array(free)
-    found = rounds.made.find(Control(5.0))
-    assert found is not None
-    assert found.center == pytest.approx(expected, abs=1e-12)
-    assert not np.signbit(found.center[:2]).any()
+    """On the axis, else to whole millimeters, within a thousandth of the scale.
+
+    Of a small robot to less: a millimeter would be all of its workspace.
+    """
+    for factor in (1.0, 0.01):
+        place = factor * np.array([0.01234, 0.03456, -0.51234]), 1.0
+        rounds = Rounds(lambda row, _, f=factor: kept(row / f), lambda n: 0, [place])
+        rounds.made._design = enlarged(APPENDIX_4, factor)
+        rounds.made._free = np.array(free)
+        found = rounds.made.find(Control(5.0))
+        assert found is not None
+        assert np.divide(found.center, factor) == pytest.approx(expected, abs=1e-10)
+        assert not np.signbit(found.center[:2]).any()
 
 
 def test_a_place_on_the_axis_has_no_minus_zero() -> None:

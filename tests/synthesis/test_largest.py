@@ -21,6 +21,7 @@ from paminsa_viz.synthesis.proof.families import Method
 from paminsa_viz.synthesis.proof.largest import GrowingRegion, LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.proof.regions import Growth
 from paminsa_viz.synthesis.volume.check import check_requirements
+from tests.support.samples import enlarged
 from tests.synthesis.certificate_robots import random_poses
 from tests.synthesis.robots import NEEDED, TURN, cylinder
 
@@ -100,6 +101,21 @@ def test_extents_that_do_not_grow_are_kept() -> None:
     assert size(kept)[2] > 0.3
     whole = largest_workspace(APPENDIX_4, NEEDED, box, tolerance=0.05)
     assert np.divide(size(whole), box.size) == pytest.approx(size(whole)[0] / 0.2)
+
+
+@pytest.mark.slow
+def test_a_small_robot_has_the_same_answer_in_proportion() -> None:
+    """By as many boxes: tolerance, stages and the way boxes are cut follow its lengths."""
+    headings, answers = replace(CONDITION, theta=(-0.1, 0.1)), []
+    for factor in (1.0, 0.01):
+        extents, (x, y, z) = [factor * extent for extent in CYLINDER.size], (0.0, 0.0, -0.6)
+        shape = Workspace(CYLINDER.shape, (extents[0], extents[1], extents[2]), (x, y, factor * z))
+        found = largest_workspace(
+            enlarged(APPENDIX_4, factor), headings, shape, growth=Growth.HORIZONTAL
+        )
+        answers.append((*np.divide((size(found)[0], found.gap), factor), found.boxes))
+    assert answers[1] == pytest.approx(answers[0])
+    assert 0.5e-3 < answers[0][1] <= 1e-3
 
 
 @pytest.mark.slow

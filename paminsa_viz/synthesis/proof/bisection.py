@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.proof.families import SLACK, BoundGroup, Symmetry, symmetry
@@ -31,7 +32,8 @@ MOST_BOXES = 20_000_000
 """Boxes that may wait; beyond them the search ends as if its time was over."""
 
 TURN_LENGTH = 0.1
-"""What a turn of 1 rad counts as when a box is cut along its longest side [m]."""
+"""What a turn of 1 rad counts as when a box is cut along its longest side, at Appendix 4's lengths
+[m]."""
 
 _ROUND = 1e-13
 """Rounding of a gauge, as a share of it."""
@@ -200,6 +202,7 @@ def nearest_violation(
     pool = _Pool(gauge, *start)
     first, pose, broken, lower = control.boxes, None, -1, np.inf
     end = control.elapsed + time_limit
+    turn = TURN_LENGTH * length_ratio(group.design.geometry)
     proven: list[tuple[Array, Array]] = []
     spare = group.sizes * (SLACK if same.any else 0.0)
     while len(pool.gauge):
@@ -227,7 +230,7 @@ def nearest_violation(
                 break
         stuck = (half <= SMALLEST).all(axis=1)
         lower = min(lower, near[stuck].min(initial=np.inf))
-        middle, half = _cut(middle[~stuck], half[~stuck])
+        middle, half = _cut(middle[~stuck], half[~stuck], turn)
         kept = same.kept(middle, half)
         pool.add(middle[kept], half[kept])
     lower = min(lower, upper, pool.gauge.min(initial=np.inf))
@@ -267,9 +270,9 @@ def _broken(
     return float(far[row]), poses[row], int(np.argmax(bad[row]))
 
 
-def _cut(middle: Array, half: Array) -> tuple[Array, Array]:
-    """Cut boxes (n, 4) in two along their longest side."""
-    side = np.argmax(half * np.array([1.0, 1.0, TURN_LENGTH, 1.0]), axis=1)
+def _cut(middle: Array, half: Array, turn: float) -> tuple[Array, Array]:
+    """Cut boxes (n, 4) in two along their longest side, where 1 rad counts as a length [m]."""
+    side = np.argmax(half * np.array([1.0, 1.0, turn, 1.0]), axis=1)
     rows = np.arange(len(side))
     half = half.copy()
     half[rows, side] *= 0.5

@@ -17,6 +17,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, Pose
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
@@ -41,11 +42,11 @@ from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
 from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion, least_free
 
 TOLERANCE = 1e-3
-"""Difference of extents that is aimed at [m]."""
+"""Difference of extents that is aimed at, at Appendix 4's lengths [m]."""
 
 
 FIRST_TOLERANCE = 0.064
-"""Difference of extents of the first stage [m]."""
+"""Difference of extents of the first stage, at Appendix 4's lengths [m]."""
 
 _BISECTIONS = 56
 """Binary digits of the scale of reach."""
@@ -106,7 +107,8 @@ class GrowingRegion:
         self._name_limit_of_reach()
         self._sample()
         # an answer of the first stage at once, and finer ones while there is time
-        step = min(FIRST_TOLERANCE, 0.25 * self.upper * self._extent)
+        first = FIRST_TOLERANCE * length_ratio(self.design.geometry)
+        step = min(first, 0.25 * self.upper * self._extent)
         while True:
             step = max(step, tolerance)
             for index, group in enumerate(self._groups):
@@ -265,7 +267,7 @@ def largest_workspace(
     workspace: Workspace | None = None,
     *,
     growth: Growth = Growth.ALL,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     time_limit: float = 15.0,
     both_sides: bool = False,
     progress: Progress = go_on,
@@ -281,7 +283,8 @@ def largest_workspace(
             the center that are open are chosen by poses. None for that of the requirements.
         growth: Which extents grow.
         tolerance: Difference of extents, of what is proven (or, where there is no proof, of what
-            no sample breaks) to where a pose breaks a requirement, at which to stop [m].
+            no sample breaks) to where a pose breaks a requirement, at which to stop [m]. None for
+            `TOLERANCE` in proportion to crank plus coupler.
         time_limit: When to stop at the latest [s]; the gap then is what it is.
         both_sides: Whether an open height may be on the other side of the guides than home.
         progress: Is told what part of the time is over, and may end it.
@@ -292,6 +295,8 @@ def largest_workspace(
     workspace = workspace or requirements.workspace
     if workspace is None:
         raise InvalidInput("workspace", "a shape with its proportions is needed")
+    if tolerance is None:  # a millimeter is all of the workspace of a robot of some millimeters
+        tolerance = TOLERANCE * length_ratio(design.geometry)
     for name, number in (("tolerance", tolerance), ("time_limit", time_limit)):
         require_positive(number, name)
     control = Control(time_limit, progress)

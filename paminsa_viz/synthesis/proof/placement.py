@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.resizing import plain_decimals
 from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
 from paminsa_viz.synthesis.proof.evidence import reach_scale
@@ -133,7 +134,8 @@ class CenterSearch:
                 break
             center, scale = self._largest(np.concatenate([self._around(center), [best]]))
         # a plain place where it costs nothing
-        rounded = np.where(self._free, np.round(best, 3), best)
+        decimals = plain_decimals(self._design.geometry)
+        rounded = np.where(self._free, np.round(best, decimals), best)
         for plain in (self._on_axis(rounded), rounded):
             if reached > 0.0 and self._scales(plain[None])[0] >= (1.0 - _NEAR) * reached:
                 best = plain
