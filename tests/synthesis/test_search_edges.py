@@ -186,21 +186,28 @@ def test_shafts_that_follow_keep_the_largest_clearance_that_is_asked_for() -> No
 def test_guides_and_shafts_follow_the_workspace_where_they_are_to(
     changes: dict[str, Any], follows: bool, guide: Guide
 ) -> None:
-    """Guides as long as the farthest slider and the margin; all of the slider, if bodies count."""
+    """Guides as long as the farthest slider and the margin; all of the slider, if bodies count.
+
+    The margin is that of the case, or what is required if that is more.
+    """
     case = replace(CYLINDER, **{"allow_overlap": False, "guide": guide, "margin": 0.03} | changes)
     numbers = np.array([[0.3, 0.1, 3.0, 0.5, 0.6, -0.6, 0.2][: len(case.paths)]])
     (found,) = Robots.of(case, numbers).geometries
     pose = Extent(case.workspace_of(numbers[0]), case.requirements.theta).samples(SPARSE.finer(4))
     points = inverse_kinematics(found, pose).points
     slider = np.linalg.norm((points[8] - points[3])[..., :2], axis=-1).max()
-    for margin in (0.03, 0.001):
-        (found,) = Robots.of(replace(case, margin=margin), numbers).geometries
+    for margin, required in ((0.03, 0.0), (0.02, 0.03), (0.03, None), (0.001, 0.0)):
+        bounds = (Requirement("condition", high=10.0), Requirement("reach_margin", required, 1.0))
+        asked = replace(case.requirements, bounds=(*case.requirements.bounds, *bounds))
+        (found,) = Robots.of(replace(case, margin=margin, requirements=asked), numbers).geometries
         if guide is Guide.KEPT:
             assert found.guide_link_length == APPENDIX_4.geometry.guide_link_length
             continue
-        more = max(margin, needed_guide(np.zeros(1))[0] if case.clear else 0.0)
+        more = max(margin, required or 0.0, needed_guide(np.zeros(1))[0] if case.clear else 0.0)
         assert found.guide_link_length == pytest.approx(slider + more, abs=1e-4)
-        assert reach_margins([found], Robots.of(case, numbers).spans)[0, 2] >= margin
+        assert reach_margins([found], Robots.of(case, numbers).spans)[0, 2] >= max(
+            margin, required or 0.0
+        )
     held = 0.2 if SHAFT in case.paths else APPENDIX_4.geometry.shaft_length
     assert (found.shaft_length != held) is follows
 

@@ -25,6 +25,8 @@ ARM = "geometry.arm_length"
 SHAFT = "geometry.shaft_length"
 CLEARANCE = "clearance"
 """Quantity of the registry whose least value says that no two bodies overlap as they are drawn."""
+REACH = "reach_margin"
+"""Quantity of the registry that is the distance to the nearest limit of reach."""
 
 DIMENSIONS: dict[str, str] = {
     "workspace.z": "height of the workspace's center",

@@ -14,7 +14,7 @@ from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.masses.space import InnerInfeasible
 from paminsa_viz.synthesis.search import kernels
-from paminsa_viz.synthesis.search.case import CLEARANCE, Regime, SynthesisCase
+from paminsa_viz.synthesis.search.case import CLEARANCE, REACH, Regime, SynthesisCase
 from paminsa_viz.synthesis.search.extremes import (
     OVER_POSES,
     Extent,
@@ -41,7 +41,6 @@ SLOW = 1e-4
 """Time of a pose from which the verification has no more samples than a trial [s]."""
 
 CONDITIONS = ("condition", "conditioning")
-REACH = "reach_margin"
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ from paminsa_viz.quantities.registry import TORQUES
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.synthesis.search import kernels
-from paminsa_viz.synthesis.search.case import CLEARANCE, SHAFT, Guide, SynthesisCase
+from paminsa_viz.synthesis.search.case import CLEARANCE, REACH, SHAFT, Guide, SynthesisCase
 from paminsa_viz.synthesis.search.region import (
     SPARSE,
     TRIAL,
@@ -335,7 +335,8 @@ def _following(
     lengths = {}
     if case.guide is Guide.FOLLOWS:
         slider = found.rho_most / (k - 1)
-        length = slider + case.margin
+        asked = (b.low or 0.0 for b in case.requirements.bounds if b.quantity == REACH)
+        length = slider + max(case.margin, *asked, 0.0)
         if case.clear:
             length = np.maximum(length, needed_guide(slider, scale))
         lengths["guide_link_length"] = length + SPARE

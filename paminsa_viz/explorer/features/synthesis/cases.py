@@ -99,13 +99,7 @@ def case_of(
     held = {
         path: low for path, (low, high) in ranges.items() if low == high and path not in DIMENSIONS
     }
-    margins = [
-        bound.low
-        for bound in requirements.bounds
-        if bound.quantity == "reach_margin" and bound.low is not None
-    ]
     ratio, scale = length_ratio(design.geometry), design.geometry.body_scale
-    margin = at_first(LEAST_MARGIN, 1, ratio, POSSIBLE)
     return SynthesisCase(
         requirements,
         tuple(SearchRange(path, *ends) for path, ends in ranges.items() if ends[0] != ends[1]),
@@ -115,7 +109,7 @@ def case_of(
         allow_overlap=settings.allow_overlap,
         above_guides=settings.above_guides,
         clearance=at_first(LEAST_CLEARANCE, 1, scale, POSSIBLE),
-        margin=max([margin, *margins]),  # which a guide that follows has, too
+        margin=at_first(LEAST_MARGIN, 1, ratio, POSSIBLE),
         regimes=KINDS[settings.regimes],
         seed=settings.seed,
         effort=EFFORTS[settings.effort],

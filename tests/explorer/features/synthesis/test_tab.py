@@ -95,13 +95,6 @@ def test_ranges_are_shown_of_what_is_searched(asked: State) -> None:
             assert paths >= set(actions.search_job(state).case.paths)
 
 
-def test_a_required_margin_of_reach_is_that_of_the_guides_too(asked: State) -> None:
-    state = requirements.change(asked, bounds=(Requirement("reach_margin", low=0.02),))
-    document = state.document
-    case = cases.case_of(state.synthesis.settings, document.design, document.requirements)
-    assert case.margin == 0.02
-
-
 def test_least_distances_are_those_of_a_robot_of_the_size(asked: State) -> None:
     """A millimeter is a tenth of a small robot's platform, and nothing to a large one's tubes."""
     settings, required = asked.synthesis.settings, asked.document.requirements
