@@ -11,7 +11,7 @@ import numpy as np
 from paminsa_viz.blocks.data import POSE_KEYS, record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table, heading, rows, shown
 from paminsa_viz.model.accuracy import LEG_NAMES
-from paminsa_viz.precision.calibration import KNOWN, Calibration, describe
+from paminsa_viz.precision.calibration import Calibration, describe, known_within
 from paminsa_viz.precision.calibration_plan import CalibrationPlan
 from paminsa_viz.precision.calibration_problem import COUNT
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
@@ -84,10 +84,10 @@ def fitted_text(found: Calibration) -> str:
     known = counted(
         count, f"of {COUNT} combinations of lengths is", f"of {COUNT} combinations of lengths are"
     )
+    most = format_value(known_within(found.start.geometry), "m")
     left = counted(COUNT - count, "keeps its value", "keep their value")
     return (
-        f"{known} known to {format_value(KNOWN, 'm')} and fitted, {left}; noise "
-        f"{format_value(found.noise, 'm:um', 3)}."
+        f"{known} known to {most} and fitted, {left}; noise {format_value(found.noise, 'm:um', 3)}."
     )
 
 

@@ -9,7 +9,7 @@ Not all 42 can be seen in the platform's pose. Of legs that are equal, the singu
 scaled Jacobian fall to nothing after 30 of them with six measured coordinates, after 28 with x, y,
 theta and z. The combinations of lengths above that gap are fitted first. Real legs differ, and then
 further combinations show in second order: those are fitted as well whose interval is within
-`KNOWN`. What is left keeps its value in the design that the calibration starts from.
+`known_within`. What is left keeps its value in the design that the calibration starts from.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from paminsa_viz.checks import require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.precision.calibration_problem import (
     COUNT,
     GAP,
@@ -43,9 +44,15 @@ from paminsa_viz.precision.measurements import (
 from paminsa_viz.progress import Progress, go_on
 
 KNOWN = 1e-3
-"""Half interval up to which a combination that shows in second order is fitted [m]."""
+"""Half interval up to which a combination that shows in second order is fitted, at Appendix 4's
+lengths [m]; see `known_within` for others."""
 
 _ROUNDS = 5
+
+
+def known_within(geometry: Geometry) -> float:
+    """Return `KNOWN` in proportion to crank plus coupler, to one digit [m]."""
+    return float(f"{KNOWN * length_ratio(geometry):.0e}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,11 +218,12 @@ def _fit_known(
         The values (42,), the basis (42, m), its singular values (m,), and the noise.
     """
     noise, count = problem.noise(values, rank), rank
+    most = known_within(problem.design.geometry)
     basis, found = np.zeros((COUNT, 0)), np.zeros(0)
     for index in range(_ROUNDS):
         problem.done = (1 + index) / (1 + _ROUNDS)
         _, singular, directions = np.linalg.svd(problem.jacobian(values), full_matrices=False)
-        known = (problem.margin(count) * noise < KNOWN * singular) & (singular > GAP * singular[0])
+        known = (problem.margin(count) * noise < most * singular) & (singular > GAP * singular[0])
         before, count = count, int(known.sum())
         basis, found = directions[:count].T, singular[:count]
         values = problem.fit(origin, basis, values)

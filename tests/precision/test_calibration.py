@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from paminsa_viz.blocks.calibration import fitted_text
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -19,7 +20,7 @@ from paminsa_viz.model import (
     measure_singularity,
 )
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
+from paminsa_viz.precision.calibration import KNOWN, calibrate, describe, known_within
 from paminsa_viz.precision.calibration_problem import (
     CalibrationProblem,
     _candidates,
@@ -34,7 +35,7 @@ from paminsa_viz.precision.measurements import (
     predict,
     rotation_coordinates,
 )
-from tests.support.samples import random_design, random_poses
+from tests.support.samples import enlarged, random_design, random_poses
 
 SIX, FOUR = 6, 4
 
@@ -129,6 +130,23 @@ def test_intervals_cover_what_is_true() -> None:
             assert item.half_width < KNOWN
     assert len(hits) > 200
     assert 0.90 < np.mean(hits) < 0.985
+
+
+@pytest.mark.slow
+def test_a_small_robot_is_calibrated_alike_in_proportion() -> None:
+    """A millimeter of it is no knowledge: its deviations are micrometers."""
+    factor = 0.01
+    data = measure(APPENDIX_4, random_deviations(5), 40, SIX, 1e-5)
+    poses, actuators = data.poses * 1.0, data.actuators * 1.0
+    poses[:, [0, 1, 3]] *= factor
+    actuators[:, 3] *= factor
+    found = calibrate(enlarged(APPENDIX_4, factor), Measurements(actuators, poses))
+    large = calibrate(APPENDIX_4, data)
+    assert found.noise == pytest.approx(factor * large.noise, rel=1e-3)
+    halves = [[item.half_width for item in one.combinations] for one in (found, large)]
+    assert halves[0] == pytest.approx(factor * np.array(halves[1]), rel=1e-3)
+    assert max(halves[0]) < known_within(found.start.geometry) == factor * KNOWN
+    assert "known to 0.01 mm" in fitted_text(found)
 
 
 @pytest.mark.slow

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from paminsa_viz.explorer.state.outcome import TaskState
-from paminsa_viz.explorer.state.settings import PERCENT, Settings, setting
-from paminsa_viz.model import Design
+from paminsa_viz.explorer.state.settings import PERCENT, Settings, followed, setting
+from paminsa_viz.model import Design, Geometry
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.precision import Calibration, CalibrationPlan, Measurements
 from paminsa_viz.units import display_unit
 
@@ -14,7 +15,11 @@ MOST_HELD = 0.9
 """Largest share that can be held back."""
 
 EXAMPLE_SIZE = 5e-4
-"""Largest deviation of the legs of which example measurements are made [m, rad]."""
+"""Largest deviation of the legs of which example measurements are made, less of a small robot
+[m, rad]."""
+
+NOISES = (1e-8, 1e-2)
+"""Uncertainties of a measured coordinate that are possible [m]."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +40,7 @@ class CalibrationSettings(Settings):
     noise: float = setting(
         2e-5, "Uncertainty [µm]",
         "Standard deviation of a measured coordinate; angles as the path at the joints 5",
-        range=(1e-8, 1e-2), step=5.0, unit=display_unit("m:um"),
+        range=NOISES, step=5.0, unit=display_unit("m:um"),
     )  # fmt: skip
     held: float = setting(
         0.25, "Held back [%]", "Share of the measured poses that only checks the result",
@@ -52,6 +57,14 @@ class CalibrationSettings(Settings):
     def of_calibration(self) -> CalibrationSettings:
         """Those that a calibration depends on, the others as they are at first."""
         return CalibrationSettings(held=self.held, seed=self.seed)
+
+
+def sized_calibration(
+    settings: CalibrationSettings, was: Geometry, now: Geometry
+) -> CalibrationSettings:
+    """Return settings whose uncertainty follows the robot's lengths, unless it was chosen."""
+    powers = {"noise": (1, NOISES)}
+    return followed(settings, CalibrationSettings(), powers, length_ratio(was), length_ratio(now))
 
 
 @dataclass(frozen=True, eq=False)

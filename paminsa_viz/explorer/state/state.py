@@ -7,7 +7,7 @@ from typing import Any
 
 from paminsa_viz.explorer.state.accuracy import EncoderState, WorstErrorsState
 from paminsa_viz.explorer.state.balance import BalanceState
-from paminsa_viz.explorer.state.calibration import CalibrationState
+from paminsa_viz.explorer.state.calibration import CalibrationState, sized_calibration
 from paminsa_viz.explorer.state.clearance import ClearanceState, sized_clearance
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.drives import DrivesState
@@ -164,5 +164,7 @@ def sized(state: State, was: Geometry) -> State:
     simulation = sized_simulation(state.simulation.settings, was, now)
     clearance = sized_clearance(state.clearance.settings, was, now)
     state = state.updated("springs", settings=springs).updated("simulation", settings=simulation)
+    calibration = sized_calibration(state.calibration.settings, was, now)
     state = state.updated("clearance", settings=clearance)
+    state = state.updated("calibration", settings=calibration)
     return state.updated("document", motion=sized_motion(document.motion, was, now))

@@ -15,9 +15,11 @@ from paminsa_viz.explorer.state.calibration import (
     MeasuredPoses,
     ProposalJob,
 )
+from paminsa_viz.explorer.state.settings import at_first
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.model import Design, InvalidInput, PaminsaError
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.precision import (
     Calibration,
     CalibrationPlan,
@@ -112,18 +114,19 @@ def use_example(state: State) -> State:
             replace(_proposal_job(state), settings=replace(own, poses=EXAMPLE_POSES)),
             go_on,
         )
+    size = at_first(EXAMPLE_SIZE, 1, length_ratio(design.geometry), (0.0, EXAMPLE_SIZE))
     found = simulated_measurements(
-        design, plan.measurements, size=EXAMPLE_SIZE, noise=own.noise, seed=own.seed
+        design, plan.measurements, size=size, noise=own.noise, seed=own.seed
     )
-    return use_measured(state, MeasuredPoses("example", found, about=_example_text(own)))
+    return use_measured(state, MeasuredPoses("example", found, about=_example_text(own, size)))
 
 
-def _example_text(own: CalibrationSettings) -> str:
-    lengths = display_unit("m").format(EXAMPLE_SIZE)
+def _example_text(own: CalibrationSettings, size: float) -> str:
+    lengths = display_unit("m").format(size)
     noise = display_unit("m:um").format(own.noise)
     return (
         f"computed, not measured: this robot with legs off at random by up to {lengths} and "
-        f"{number(1e3 * EXAMPLE_SIZE)} mrad, measured within {noise}"
+        f"{number(1e3 * size)} mrad, measured within {noise}"
     )
 
 

@@ -18,9 +18,9 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.calibration.actions import CALIBRATE, PROPOSE
 from paminsa_viz.explorer.kit.text import blocks_html, render, status
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.precision.calibration import KNOWN
+from paminsa_viz.precision.calibration import known_within
 from paminsa_viz.precision.calibration_problem import COUNT
-from paminsa_viz.units import MM, counted, display_unit, number
+from paminsa_viz.units import MM, counted, display_unit, format_value
 
 
 def measured_html(frame: Frame) -> str:
@@ -30,7 +30,7 @@ def measured_html(frame: Frame) -> str:
 
 def _length(value: float) -> str:
     """Return a length with two digits: in micrometers below a millimeter."""
-    return display_unit("m:um" if value < KNOWN else "m").format(value, 2)
+    return display_unit("m:um" if value < 1 / MM else "m").format(value, 2)
 
 
 def proposal_status_html(frame: Frame) -> str:
@@ -38,10 +38,14 @@ def proposal_status_html(frame: Frame) -> str:
     state, plan = frame.state, PROPOSE.result(frame.state)
     if plan is None or PROPOSE.runs(state):
         return PROPOSE.text(state, "calibrate-proposed", "Choosing poses …", "No poses")
-    known = int((plan.half_widths < KNOWN).sum())
+    job, _ = PROPOSE.required(state, "", "")
+    most = known_within(job.design.geometry)
+    known = int((plan.half_widths < most).sum())
     shown, alone = len(plan.half_widths), int(plan.determined.sum())
     best, worst = _length(float(plan.half_widths[0])), _length(float(plan.half_widths[-1]))
-    title = f"{known} of {COUNT} combinations of lengths would be known to {number(KNOWN * MM)} mm"
+    title = (
+        f"{known} of {COUNT} combinations of lengths would be known to {format_value(most, 'm')}"
+    )
     return status(
         "calibrate-proposed", "ok" if known == shown else "warn", title,
         f"95 % intervals from ± {best} to ± {worst}; "

@@ -19,9 +19,10 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.files.design_file import read_content
 from paminsa_viz.files.measurements import parse_measurements
 from paminsa_viz.files.table_reader import uploaded_table
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.precision.leg_lengths import deviation_array
 from paminsa_viz.quantities.requirements import Requirement, Requirements
+from tests.support.samples import enlarged
 from tests.support.tables import assert_parts
 from tests.support.tasks import finished
 
@@ -46,6 +47,19 @@ def test_proposed_poses_are_written_as_the_table_that_is_read_again(proposed: St
     assert len(again.measurements) == 24
     assert "combinations of lengths would be known" in texts.proposal_status_html(compute(proposed))
     assert texts.poses_html(compute(proposed)).count("<tr>") == 1 + 24
+
+
+@pytest.mark.slow
+def test_example_of_a_small_robot_is_as_small() -> None:
+    """Legs off by half a millimeter would be another robot than one of some millimeters."""
+    start = initial_state(enlarged(APPENDIX_4, 0.01)).updated("calibration.settings", poses=24)
+    state = finished(actions.PROPOSE, actions.PROPOSE.start(start))
+    assert "would be known to 0.01 mm" in texts.proposal_status_html(compute(state))
+    state = finished(actions.CALIBRATE, actions.use_example(state))
+    measured = state.calibration.measured
+    assert measured is not None
+    assert "up to 0.005 mm and 0.005 mrad, measured within 0.2 µm" in measured.about
+    assert "predicted better than before" in texts.status_html(compute(state))
 
 
 @pytest.mark.slow
