@@ -54,7 +54,7 @@ def test_pose_slider_moves_its_parts_and_the_torques_are_the_models(tab: Tab, in
 
 def test_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
     def shown() -> float:
-        return float(tab.handle("From–to").value[1])
+        return float(tab.handle("Ends").value[1])
 
     def wanted() -> float:
         store = MapStore()

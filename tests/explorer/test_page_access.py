@@ -150,7 +150,7 @@ IN_HIGH_CONTRAST = """() => {
 
 def test_what_is_checked_chosen_or_open_is_seen_in_high_contrast(tab: Tab) -> None:
     tab.page.emulate_media(forced_colors="active")
-    tab.element("Colors").focus()
+    tab.element("Color range").focus()
     tab.page.keyboard.press("ArrowDown")
     tab.page.get_by_role("option").first.wait_for()
     tab.page.keyboard.press("ArrowDown")

@@ -101,7 +101,7 @@ def test_price_of_a_balance_is_shown_for_all_four_actuators(balance: Tab) -> Non
 
 def test_maps_fade_with_the_imbalance_next_to_a_reference(balance: Tab) -> None:
     def shown() -> tuple[float, float]:
-        return tuple(balance.handle("From–to").value)
+        return tuple(balance.handle("Ends").value)
 
     balance.open_tab("Torque maps")  # is up to date as long as it can be seen
     store = MapStore()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -231,11 +232,33 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
                 assert row["end"] <= width, f"the number of {text} is off the page"
     tab.open_tab("Single map")
     tab.dispatch(lambda s: s.updated("map_view", quantity="utilization"))  # of many digits
-    ends = tab.element("Ends")
+    ends = tab.page.get_by_label("Ends").locator("visible=true").first
     until(lambda: "." in ends.input_value(), "the range of the quantity")
     rooms = ends.evaluate(ROOMS)
     assert len(rooms) == 2
     assert min(rooms) >= 0, "an end of the color range is cut off"
+
+
+CHECKBOXES = """() => [...document.querySelectorAll('[data-paminsa-mark~="checkbox-row"]')]
+  .filter((row) => row.checkVisibility())
+  .map((row) => [row.querySelector("label"), row.querySelector("input")])
+  .map(([label, input]) => [label.textContent, label.getBoundingClientRect(),
+                            input.getBoundingClientRect()])
+  .map(([name, text, box]) => ({name, top: text.top, left: text.left, end: text.right,
+                                box: box.left, right: box.right}))"""
+"""Where labels and boxes of the switches are that are seen, in the order of the page [px]."""
+
+
+@pytest.mark.parametrize("width", [1280, 1600])  # below the maps, and beside the third of them
+def test_switches_of_torque_maps_do_not_cover_each_other(tab: Tab, width: int) -> None:
+    tab.page.set_viewport_size({"width": width, "height": 900})
+    tab.open_tab("Torque maps")
+    found = until(
+        lambda: len(found := tab.page.evaluate(CHECKBOXES)) == 3 and found, "the three switches"
+    )
+    assert all(one["end"] <= one["box"] for one in found), found
+    for left, right in itertools.pairwise(found):
+        assert right["top"] > left["top"] + 10 or left["right"] <= right["left"], found
 
 
 def searched(state: State) -> State:

@@ -166,7 +166,7 @@ def test_every_kind_of_box_takes_decimals_and_pasted_text(tab: Tab) -> None:
     tab.open_tab("Path")
     tab.dispatch(lambda s: motions.choose_kind(s, Kind.ARCH))
     tab.open_tab("Torque maps")
-    typed(tab, tab.element("From–to"), "-12,75")
+    typed(tab, tab.element("Ends"), "-12,75")
     until(lambda: tab.state.map_view.low == -12.75, "the low end of the colors")
 
 

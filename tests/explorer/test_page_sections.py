@@ -173,5 +173,5 @@ def test_every_box_gives_its_number_once_and_whole(whole: Tab, inputs: dict[str,
     until(lambda: len(received) >= len(wanted), lacking)
     assert received == wanted
     assert len(wanted) > 140
-    labels = {"x  [mm]", "Largest condition number", "m₇ B3, B7 [kg]", "From–to"}
+    labels = {"x  [mm]", "Largest condition number", "m₇ B3, B7 [kg]", "Ends"}
     assert labels <= {label for label, _ in wanted}

@@ -52,7 +52,7 @@ def set_difference(state: State, value: bool) -> State:
 
 
 def range_entries(
-    name: str, picture: MapPicture, unit: Callable[[State], str], *, brief: bool
+    name: str, picture: MapPicture, unit: Callable[[State], str]
 ) -> tuple[Entry, Entry]:
     """Return the color range of a picture: how it is found, and its ends.
 
@@ -60,7 +60,6 @@ def range_entries(
         name: Name of the picture, for the entries' keys.
         picture: The picture; the ends show the range that it shows.
         unit: SI unit of what it shows.
-        brief: Whether labels have to be short.
     """
 
     def another_unit(state: State) -> bool:
@@ -108,7 +107,7 @@ def range_entries(
 
     return (
         Dropdown(
-            f"{name}.range", "Colors" if brief else "Color range",
+            f"{name}.range", "Color range",
             options={
                 "robust": RangeMode.AUTO, "full": RangeMode.FULL, "held": RangeMode.MANUAL
             },
@@ -118,7 +117,7 @@ def range_entries(
             read=mode, apply=choose_mode,
         ),
         Pair(
-            f"{name}.ends", "From–to" if brief else "Ends",
+            f"{name}.ends", "Ends",
             hint="Ends of the color range, in the unit of the color bar; editing them holds "
             "the range",
             step=step,
@@ -128,11 +127,11 @@ def range_entries(
     )  # fmt: skip
 
 
-def switch_entries(name: str, *, brief: bool) -> tuple[Entry, Entry]:
+def switch_entries(name: str) -> tuple[Entry, Entry]:
     """Return the switches for a logarithmic scale and for the difference."""
     return (
         Checkbox(
-            f"{name}.log", "Log" if brief else "Log scale",
+            f"{name}.log", "Log scale",
             hint="Symmetric logarithm: linear around zero, logarithmic beyond, on both sides",
             **attribute("map_view.logarithmic"),
         ),
@@ -148,13 +147,13 @@ def switch_entries(name: str, *, brief: bool) -> tuple[Entry, Entry]:
 def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
     """Return the entries below the three torque maps."""
     return (
-        *range_entries(name, picture, lambda _: QUANTITIES["tau_1"].unit, brief=True),
+        *range_entries(name, picture, lambda _: QUANTITIES["tau_1"].unit),
         Checkbox(
             f"{name}.shared", "Shared",
             hint="One color range for all three maps, or one for each",
             **attribute("map_view.shared"),
         ),
-        *switch_entries(name, brief=True),
+        *switch_entries(name),
         Button(
             f"{name}.figure_3", "Fig. 3", effect=show_figure_3,
             hint="As the paper's Fig. 3: θ = 60°, three torques on one range",
@@ -171,9 +170,9 @@ def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
              "What this map and the floor map below the robot show"),
         ),
         *range_entries(
-            name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit, brief=False
+            name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit
         ),
-        *switch_entries(name, brief=False),
+        *switch_entries(name),
         ButtonGroup(
             f"{name}.pin", "Strip",
             choices={"Pin": lambda state: pin(state, state.map_view.quantity)},

@@ -20,7 +20,7 @@ from paminsa_viz.explorer.core.maps import COARSE, FULL, MapStore, choose_quanti
 from paminsa_viz.explorer.dock import MapsPanel, clicked_place
 from paminsa_viz.explorer.features.balance.actions import balance_now
 from paminsa_viz.explorer.features.maps.pictures import COLUMNS, caption, click_frame
-from paminsa_viz.explorer.features.maps.tab import show_figure_3
+from paminsa_viz.explorer.features.maps.tab import show_figure_3, single_entries, torque_entries
 from paminsa_viz.explorer.kit.setting_inputs import quantity_inputs
 from paminsa_viz.explorer.state.maps import RangeMode
 from paminsa_viz.explorer.state.state import initial_state
@@ -28,6 +28,7 @@ from paminsa_viz.plots.map_layout import PAGE_EM, map_layout
 from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.quantities import QUANTITIES, TORQUES, families
 from tests.support.desk import Desk
+from tests.support.raw_page import update
 
 PANEL = partial(MapsPanel, answers=())
 
@@ -174,27 +175,39 @@ def test_caption_says_of_a_balanced_robot_that_torques_are_zero_everywhere() -> 
 
 @pytest.mark.slow
 def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:
-    ends = desk.handle("From–to")
+    ends = desk.handle("Ends")
     desk.until(lambda: desk.panel._torques.scales)
     scale = desk.panel._torques.scales[0]
     desk.until(lambda: ends.value == (scale.low, scale.high))
-    desk.set("From–to", [-8.0, 5e10])
+    desk.set("Ends", [-8.0, 5e10])
     desk.noticed("color range")
     desk.until(lambda: ends.value == (scale.low, scale.high))
     assert desk.state.map_view.range_mode is RangeMode.AUTO
-    desk.set("From–to", [-2.5, 4.0])
+    desk.set("Ends", [-2.5, 4.0])
     desk.until(lambda: desk.panel._torques.scales[0].low == -2.5)
-    desk.until(lambda: desk.handle("Colors").value == "held")
+    desk.until(lambda: desk.handle("Color range").value == "held")
+
+
+def test_what_both_kinds_of_maps_have_is_named_alike() -> None:
+    silent: Any = SimpleNamespace(scales=())
+    torques, single = (
+        {one.key: one.label for one in entries("map", silent)}
+        for entries in (torque_entries, single_entries)
+    )
+    both = torques.keys() & single.keys()
+    assert len(both) == 4
+    assert {key: torques[key] for key in both} == {key: single[key] for key in both}
 
 
 @pytest.mark.slow
 def test_range_is_set_in_the_unit_shown(desk: Desk) -> None:
     desk.dispatch(lambda s: choose_quantity(s, "reach_margin"))
-    desk.set("Ends", [10.0, 120.0])
+    single = desk.panel._single_inputs.handles["single map.ends"]
+    desk.page.send(update(single._impl.uuid, [10.0, 120.0]))
     desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
     view = desk.state.map_view
     assert (view.low, view.high, view.quantity) == pytest.approx((0.01, 0.12, "reach_margin"))
-    desk.set("From–to", [-1.0, 1.0])  # of the torque maps
+    desk.set("Ends", [-1.0, 1.0])  # of the torque maps
     desk.until(lambda: desk.state.map_view.quantity == "max_torque")
 
 
