@@ -27,7 +27,7 @@ from paminsa_viz.explorer.kit.curves import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.quantities import TORQUES
 
-VIEW_PANEL = 320
+VIEW_PANEL = 350
 """Width of the panel of the view [px]."""
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"

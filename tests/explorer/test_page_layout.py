@@ -28,9 +28,11 @@ from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.features.stiffness import tab as stiffness
 from paminsa_viz.explorer.features.synthesis import actions as synthesis
 from paminsa_viz.explorer.features.tolerances import actions as tolerances
+from paminsa_viz.explorer.features.view.tab import GROUPS as GROUPS_OF_LAYERS
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.explorer.kit.design_numbers import label as label_of
 from paminsa_viz.explorer.kit.entries import Answer, Entry, Html, Tabs
+from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -259,6 +261,23 @@ def test_switches_of_torque_maps_do_not_cover_each_other(tab: Tab, width: int) -
     assert all(one["end"] <= one["box"] for one in found), found
     for left, right in itertools.pairwise(found):
         assert right["top"] > left["top"] + 10 or left["right"] <= right["left"], found
+
+
+def test_switches_of_layers_are_below_each_other_in_two_columns(tab: Tab) -> None:
+    tab.page.get_by_role("tab", name="View").click()
+    for name in list(GROUPS_OF_LAYERS)[1:]:
+        title = tab.page.get_by_text(name, exact=True).locator("visible=true").last
+        tab.steady_box(title)
+        title.click()
+    layers = {LAYERS[key].label for keys in GROUPS_OF_LAYERS.values() for key in keys}
+
+    def boxes() -> Any:
+        found = tab.page.evaluate(CHECKBOXES)
+        return [one for one in found if one["name"] in layers]
+
+    found = until(lambda: len(boxes()) == len(layers) and boxes(), "the switches of all layers")
+    assert len({round(one["box"]) for one in found}) == 2, found
+    assert all(one["end"] <= one["box"] for one in found), found
 
 
 def searched(state: State) -> State:
