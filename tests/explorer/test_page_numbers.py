@@ -75,6 +75,9 @@ def test_text_is_one_number_or_none(tab: Tab) -> None:
         list(cases),
     )
     assert dict(zip(cases, found, strict=True)) == cases
+    for text in ("1e", "2.5E-"):  # a power of ten that is cut short, and no unit
+        problem = tab.page.evaluate("t => window.paminsaNumberFields.parse(t, 'mm').problem", text)
+        assert "is not a number" in problem
     typed(tab, tab.number_box(X), "2*1.5 cm")
     tab.wait_pose(0, 0.03)
     field = tab.number_box(X)

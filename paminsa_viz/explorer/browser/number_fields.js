@@ -68,7 +68,8 @@
   const parse = (text, own) => {
     let [, plain, typed] = text.trim().replaceAll("\u2212", "-").match(PARTS) ?? [];
     const refused = { problem: `“${text.trim()}” is not a number: write 33.5, 33,5, 3.35e1 or 2*16.75` };
-    if (!plain?.trim() || text.length > MOST_TYPED) return refused;
+    const cutShort = /^e[+-]?$/i.test(typed); // a power of ten, and no unit
+    if (!plain?.trim() || cutShort || text.length > MOST_TYPED) return refused;
     plain = plain.trim();
     if (AMBIGUOUS.test(plain))
       return { problem: `${plain} may be a thousand or a fraction: write ${plain.replace(",", ".")} or ${plain.replace(",", "")}` };
