@@ -15,6 +15,7 @@ from paminsa_viz.explorer.state.calibration import (
     MeasuredPoses,
     ProposalJob,
 )
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.settings import at_first
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -87,12 +88,22 @@ def _calibrate_job(state: State) -> CalibrateJob:
     )
 
 
+def _calibrate_again(state: State, outcome: Outcome[CalibrateJob, Calibration]) -> CalibrateJob:
+    """Return the job anew; a design that has the lengths it found by now is no other one."""
+    job, found = _calibrate_job(state), outcome.result
+    own = found is not None and job.design == found.design
+    return replace(job, design=outcome.job.design) if own else job
+
+
 PROPOSE = Task(
     Place(lambda state: state.calibration.proposal), _proposal_job, propose_poses,
 )  # fmt: skip
 """Chooses poses to measure."""
 
-CALIBRATE = Task(Place(lambda state: state.calibration), _calibrate_job, calibrate_lengths)
+CALIBRATE = Task(
+    Place(lambda state: state.calibration), _calibrate_job, calibrate_lengths,
+    again=_calibrate_again,
+)  # fmt: skip
 """Identifies the legs' lengths from the measured poses that are open."""
 
 

@@ -132,7 +132,7 @@ CALIBRATION: tuple[Entry, ...] = (
         mime_type=".csv,.txt", color="gray",
         hint="Poses of the built robot with the actuators’ readings",
     ),
-    ButtonGroup("calibrate.source", "Measured", choices=_measured_choices),
+    ButtonGroup("calibrate.source", "Measured poses", choices=_measured_choices),
     _setting("held"),
     *actions.CALIBRATE.buttons(
         Button(

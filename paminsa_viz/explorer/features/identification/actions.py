@@ -11,6 +11,7 @@ from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.features.identification.solving import identify_logs, search_excitation
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.identification import EXPORT_RATE, ExcitationJob, IdentifyJob
+from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.example_logs import ExampleLog, example_log
@@ -48,7 +49,17 @@ def _identify_job(state: State) -> IdentifyJob:
     return IdentifyJob(state.document.design, own.log, own.other, own.loaded, settings)
 
 
-IDENTIFY = Task(Place(lambda state: state.identification), _identify_job, identify_logs)
+def _identify_again(state: State, outcome: Outcome[IdentifyJob, Findings]) -> IdentifyJob:
+    """Return the job anew; a design that has what it found by now is no other one."""
+    job, found = _identify_job(state), outcome.result
+    own = found is not None and job.design == found.nearest.design
+    return replace(job, design=outcome.job.design) if own else job
+
+
+IDENTIFY = Task(
+    Place(lambda state: state.identification), _identify_job, identify_logs,
+    again=_identify_again,
+)  # fmt: skip
 """Identifies the design's parameters from the open logs."""
 
 SEARCH = Task(

@@ -93,6 +93,7 @@ def test_lengths_become_the_designs_own_and_its_files(calibrated: State) -> None
     _, found = actions.CALIBRATE.required(calibrated, "", "")
     np.testing.assert_array_equal(deviation_array(design), deviation_array(found.design))
     assert np.abs(deviation_array(design)).max() < 4 * EXAMPLE_SIZE
+    assert not actions.CALIBRATE.is_stale(used), "the design is what was found"
     needed = Requirements((Requirement("condition", high=8.0),))
     for requirements, kept in ((Requirements(), None), (needed, needed)):
         asking = calibrated.updated("document", requirements=requirements)

@@ -12,6 +12,7 @@ import pytest
 
 from paminsa_viz.blocks.excitation import limits_table
 from paminsa_viz.blocks.identification import identification_blocks
+from paminsa_viz.explorer.core import actions as poses
 from paminsa_viz.explorer.core import persistence, tab_store
 from paminsa_viz.explorer.core.frame import compute
 from paminsa_viz.explorer.core.planning import planned
@@ -123,8 +124,10 @@ def test_nearest_masses_become_the_design_and_can_be_saved(found: State) -> None
     weight = found.identification.result.identification.estimate("M_p2")  # type: ignore[union-attr]
     assert abs(static_imbalance(design) - weight.value) < weight.half_width
     assert persistence.load(persistence.dump(used.document)).design == design
-    assert "Changed since" in identify_text.status_html(compute(used))
-    assert "Changed since" not in identify_text.status_html(compute(found))
+    other = poses.vary(used, {"links.b4": 2.0})
+    assert "Changed since" in identify_text.status_html(compute(other))
+    for same in (found, used):  # the design is what was found
+        assert "Changed since" not in identify_text.status_html(compute(same))
 
 
 def test_log_is_played_as_a_motion(found: State) -> None:
