@@ -213,6 +213,7 @@ def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, 
     return render(
         "motion/caption.j2",
         trajectory=found.analysis.trajectory,
+        problem=motions.planned(state).problem,
         reference="" if reference is None else reference.design.name,
         reference_failure="" if worse is None else worse.explanation,
         published=compared and sources.published is not None,

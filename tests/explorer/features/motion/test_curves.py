@@ -22,7 +22,7 @@ from paminsa_viz.explorer.features.motion.layers import motion_path
 from paminsa_viz.explorer.features.motion.plots import drawn_charts
 from paminsa_viz.explorer.features.motion.simulation import run
 from paminsa_viz.explorer.scene.curves import linear_colors
-from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView
+from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView, Timing
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationJob, SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -31,8 +31,8 @@ from paminsa_viz.palette import MUTED
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
-from paminsa_viz.trajectory import analyze
-from tests.explorer.features.motion.engine_motions import analyzed
+from paminsa_viz.trajectory import MotionLimits, analyze
+from tests.explorer.features.motion.engine_motions import analyzed, caption
 from tests.support.charts import shown_curve
 from tests.support.samples import prototype_times
 from tests.support.tasks import delivered
@@ -51,6 +51,18 @@ def failing() -> State:
     state = motions.choose_kind(initial_state(), Kind.LINE)
     ends = {"start": (0.0, 0.0, 0.0, -0.55), "goal": (0.6, 0.0, 0.0, -0.55)}
     return motions.change(state, **ends, back=True)
+
+
+@pytest.mark.slow
+def test_caption_says_that_a_motion_is_refused_whose_curves_are_drawn_all_the_same() -> None:
+    state = motions.choose_kind(initial_state(), Kind.LINE)
+    weak = MotionLimits(torque=0.1)  # less than it takes at rest
+    state = motions.change(state, timing=Timing.SHORTEST, limits=weak)
+    problem = motions.planned(state).problem
+    assert problem
+    assert f"not possible</b>: {problem}" in caption(analyzed(state), state)
+    state = motions.change(state, timing=Timing.GIVEN)
+    assert "not possible" not in caption(analyzed(state), state)
 
 
 def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> None:
