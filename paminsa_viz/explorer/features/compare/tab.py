@@ -57,7 +57,7 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
         )
     ]
     balances = static_imbalance(design), static_imbalance(reference)
-    rows.append(("", "M_p2", "N", *balances, of_force + 2))
+    rows.append(("", "M_p2", "N", *balances, of_force + 1))
     return render(
         "compare/compared_torques.j2", rows=rows, title=title, reachable=np.isfinite(held).all()
     )  # fmt: skip

@@ -127,7 +127,7 @@ def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None
         frame = compute(actions.move_to(initial_state(prototype_times(factor)), at))
         for text in (load_html, actuators_html, torques_html):
             assert numbers_in(text(frame)) == [*torques, force]
-        for text in (gauge_html, summary_html):
+        for text in (gauge_html, summary_html, quality_html):
             assert f">{balance}<" in text(frame)
 
 
