@@ -141,7 +141,9 @@ class LegJoint(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The label, with the word where it is a number: ``joint 2``, ``guide``."""
+        """What it is of any leg: ``joint 2``, ``guide``, ``bearing of M``."""
+        if self.key == "m":
+            return "bearing of M"
         return f"joint {self.label}" if self.key[0].isdigit() else self.label
 
 

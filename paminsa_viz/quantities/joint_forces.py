@@ -39,10 +39,9 @@ def _largest(field: Field, design: Design) -> Array:
 def _joint(joint: LegJoint) -> Quantity:
     key = {"m": "force_m", "guide": "guide_force"}.get(joint.key, f"force_{joint.key}")
     symbol = {"m": "F M", "guide": "F guide"}.get(joint.key, f"F {joint.label}")
-    name = {"m": "bearing of M", "guide": "guide"}.get(joint.key, f"joint {joint.label}")
     where = "" if joint.key == "5" else ", in the leg's plane"
-    title = f"Largest static force at {name} over the legs{where}"
-    return _force(key, symbol, f"force at {name}", title, "N", JOINT_INDEX[joint.key])
+    title = f"Largest static force at {joint.name} over the legs{where}"
+    return _force(key, symbol, f"force at {joint.name}", title, "N", JOINT_INDEX[joint.key])
 
 
 JOINT_FORCES = in_family(

@@ -186,7 +186,7 @@ def test_bars_have_their_largest_loads_of_the_whole_motion(moved: MotionLoads) -
 
 
 def test_joints_have_names_and_others_are_refused(moved: MotionLoads) -> None:
-    assert [joint.name for joint in JOINTS[:2]] == ["M_k", "guide"]
+    assert [joint.name for joint in JOINTS[:2]] == ["bearing of M", "guide"]
     assert JOINTS[JOINT_INDEX["9"]].name == "joint 9"
     np.testing.assert_array_equal(
         moved.forces.of("9"), moved.forces.force[..., JOINT_INDEX["9"], :]

@@ -31,8 +31,12 @@ class EffortChoice(Enum):
 
 SMALLER, LARGER = "R_pl < R_b", "R_pl > R_b"
 BOTH = f"{SMALLER} and {LARGER}"
-REGIMES = (BOTH, SMALLER, LARGER)
-"""Which of base and platform may be larger, by labels."""
+REGIMES = {
+    "platform smaller or larger": BOTH,
+    "platform smaller than base": SMALLER,
+    "platform larger than base": LARGER,
+}
+"""Which of base and platform may be larger, by labels: a list cannot typeset symbols."""
 
 
 class Shown(Enum):
@@ -52,7 +56,7 @@ class SynthesisSettings(Settings):
             length is held where the two are equal.
         objective: Key of what is minimized.
         against: Key of a second objective, for a Pareto front of both; empty for none.
-        regimes: One of `REGIMES`.
+        regimes: A value of `REGIMES`.
     """
 
     ranges: tuple[tuple[str, Range], ...] = ()
@@ -63,8 +67,9 @@ class SynthesisSettings(Settings):
     )  # fmt: skip
     regimes: str = setting(
         BOTH, "Radii",
-        "With R_pl < R_b there is a singular rotation, with R_pl > R_b there is none: two "
-        "different kinds of robots, searched one after the other",
+        "A robot whose platform is smaller than its base (R_pl < R_b) has a singular rotation, "
+        "one with a larger platform has none: two different kinds, searched one after the other",
+        options=REGIMES,
     )  # fmt: skip
     above_guides: bool = setting(
         False, "Above the guides", "Whether joints 5 may be above the guides"
@@ -99,7 +104,7 @@ class SynthesisSettings(Settings):
 
         known = {self.objective, self.against or self.objective} <= OBJECTIVES.keys()
         ends = [end for _, limits in self.ranges for end in limits]
-        return known and self.regimes in REGIMES and all(map(math.isfinite, ends))
+        return known and all(map(math.isfinite, ends))
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import pytest
 from paminsa_viz.explorer.state.loads import LoadsSettings
 from paminsa_viz.explorer.state.monte_carlo import MonteCarloSettings
 from paminsa_viz.explorer.state.requirements import LargestSettings
-from paminsa_viz.explorer.state.settings import Settings, setting
+from paminsa_viz.explorer.state.settings import Settings, setting, setting_fields
 from paminsa_viz.explorer.state.stiffness import StiffnessSettings
+from paminsa_viz.explorer.state.synthesis import SynthesisSettings
 from paminsa_viz.model import InvalidInput
 
 
@@ -31,6 +32,13 @@ def test_settings_out_of_their_ranges_and_options_are_refused(
     with pytest.raises(InvalidInput, match=allowed) as refused:
         kind(**changes)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("kind", [LoadsSettings, SynthesisSettings])
+def test_texts_of_options_have_no_symbols_that_would_need_subscripts(kind: type) -> None:
+    texts = [text for one in setting_fields(kind).values() for text in one.options or ()]
+    assert texts
+    assert not [text for text in texts if "_" in text]
 
 
 def test_ranges_may_have_one_end() -> None:

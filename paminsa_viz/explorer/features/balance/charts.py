@@ -22,7 +22,7 @@ MAX_BARS = 14
 ROUNDING = 1e-9
 """Torques at rest below this share of the largest dynamic one are what rounding leaves of none."""
 
-OUTPUT_LABELS = ("M_p2", "peak, static", "RMS, static", "peak, dynamic", "RMS, dynamic")
+OUTPUT_LABELS = ("imbalance", "peak, static", "RMS, static", "peak, dynamic", "RMS, dynamic")
 """The outputs of the sensitivity on the page, in the order of `OUTPUTS`."""
 
 
@@ -99,7 +99,7 @@ def tornado_figure(tornado: Tornado, output: int) -> Tree:
                 "<extra></extra>",
             }
         )  # fmt: skip
-    title = f"{symbols_html(OUTPUT_LABELS[output])} [{unit}]"
+    title = f"{OUTPUT_LABELS[output]} [{unit}]"
     shown = figure(
         traces, title, "", barmode="overlay", bargap=0.3, legend=LAYOUT["legend"] | {"y": 0}
     )

@@ -37,7 +37,7 @@ KINDS: dict[str, tuple[Regime, ...]] = {
     SMALLER: (Regime.SMALLER,),
     LARGER: (Regime.LARGER,),
 }
-"""Which of base and platform may be larger, by their labels."""
+"""Which of base and platform may be larger, by the setting."""
 
 LEAST_MARGIN = LEAST_CLEARANCE = 0.001
 """Least distances to the limits of reach and of two bodies, where nothing else is required [m].

@@ -28,7 +28,7 @@ from paminsa_viz.explorer.kit.inputs import Pair, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.state.settings import MILLIMETERS, PLAIN
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.explorer.state.synthesis import REGIMES, Range, SynthesisSettings
+from paminsa_viz.explorer.state.synthesis import Range, SynthesisSettings
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.synthesis.search.case import DEFAULT_PATHS
 from paminsa_viz.synthesis.search.objectives import OBJECTIVES
@@ -71,7 +71,7 @@ RANGES = (
     ),
     _range(WIDTH, "Width", "Diameter of the workspace, or its extent along x and y", size=True),
     _range(TALL, "Height", "Height of the workspace", size=True),
-    _setting("regimes", options={label: label for label in REGIMES}),
+    _setting("regimes"),
     _setting("above_guides"),
     _setting("allow_overlap"),
     _setting("tubes_grow"),
