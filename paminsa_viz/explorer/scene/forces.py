@@ -20,7 +20,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow
 from paminsa_viz.explorer.scene.curves import circles, linear_colors, segments
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label, lines, mesh
-from paminsa_viz.explorer.scene.sizes import symbol_size
+from paminsa_viz.explorer.scene.sizes import below, symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import center_wrench
 from paminsa_viz.model.arrays import Array
@@ -42,9 +42,6 @@ BAR: Final = 0.1
 
 ABOVE: Final = 0.05
 """Height of the force polygon over the platform's origin, clear of its plate [m]."""
-
-BELOW: Final = 0.14
-"""Distance of the polygon's label below the platform [m]."""
 
 LOAD_COLOR: Final = palette.BAD
 
@@ -182,7 +179,8 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     if found is None:
         return
     size = symbol_size(frame.shown_design.geometry)
-    center = frame.configuration.pose[[0, 1, 3]] + [0.0, 0.0, ABOVE * size]
+    platform = frame.configuration.pose[[0, 1, 3]]
+    center = platform + np.array([0.0, 0.0, ABOVE * size])
     sides, limits = polygon_lines(found)
     if not len(sides):
         yield label("/forces/polygon label", "no horizontal force is held here", center)
@@ -199,7 +197,7 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     dashed = segments(circles(radius * BAR / scale, 48))[::2]
     yield lines("/forces/disc", center + dashed, frame.state.theme.ink, 2.0)
     text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale, size)})"
-    yield label("/forces/polygon label", text, center - [0.0, 0.0, (ABOVE + BELOW) * size])
+    yield label("/forces/polygon label", text, below(platform, "force_polygon", size))
 
 
 def wrench_solid(frame: Frame) -> Iterator[Node]:
@@ -223,7 +221,7 @@ def wrench_solid(frame: Frame) -> Iterator[Node]:
     yield lines("/forces/edges", places[np.array(_EDGES)], colors[:, None].repeat(2, axis=1), 2.5)
     limit, up = found.faces[found.limiting_face], "moment over platform radius"
     text = f"limit: {limit} (up: {up}; {scale_text(scale, size)})"
-    yield label("/forces/solid label", text, (center[0], center[1], places[:, 2].min()))
+    yield label("/forces/solid label", text, below(center, "wrench_solid", size))
 
 
 def _polytope(frame: Frame) -> WrenchPolytope | None:

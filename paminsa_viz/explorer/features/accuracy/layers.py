@@ -14,7 +14,7 @@ from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import circles, segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
-from paminsa_viz.explorer.scene.sizes import symbol_size
+from paminsa_viz.explorer.scene.sizes import below, symbol_size
 from paminsa_viz.kept import kept
 from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
 from paminsa_viz.model.arrays import Array, Pose
@@ -29,9 +29,6 @@ RING: Final = 48
 
 FLAT: Final = 1e-9
 """Points whose width is this share of their length are in a line."""
-
-BELOW: Final = 0.09
-"""Distance of the label below the platform [m], above those of the elastic robot."""
 
 ERROR_COLOR: Final = palette.BAD
 RMS_COLOR: Final = palette.INK
@@ -112,7 +109,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
         yield lines("/drive_errors/edges", center + edges * drawn, ERROR_COLOR, 2.5)
         rings = center + rms_rings(found, geometry) * drawn
         yield lines("/drive_errors/rms", rings, frame.state.theme.shown(RMS_COLOR), 2.0)
-    yield label("/drive_errors/label", text, center - [0.0, 0.0, BELOW * size])
+    yield label("/drive_errors/label", text, below(center, "drive_errors", size))
 
 
 def error_text(found: DriveErrors, scale: float, size: float) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, arrows, label
-from paminsa_viz.explorer.scene.sizes import symbol_size
+from paminsa_viz.explorer.scene.sizes import below, symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import Geometry, inverse_kinematics
 from paminsa_viz.model.arrays import Array
@@ -19,9 +19,6 @@ from paminsa_viz.trajectory import TimeOptimalPlan
 
 LONGEST: Final = 0.2
 """Longest arrow [m]."""
-
-BELOW: Final = 0.12
-"""Distance of a label below the platform [m]."""
 
 
 def twist_arrows(geometry: Geometry, found: TimeOptimalPlan) -> Array:
@@ -58,7 +55,7 @@ def escape_arrows(frame: Frame) -> Iterator[Node]:
     for index, item in enumerate(found.crossings):
         x, y, _, z = item.crossing.pose
         text = f"Escape twist at the {item.crossing.locus.label}"
-        yield label(f"/escape/label{index}", text, (x, y, z - BELOW * size))
+        yield label(f"/escape/label{index}", text, below((x, y, z), "escape_twist", size))
 
 
 def escape_meaning(frame: Frame) -> LegendRow:

@@ -11,7 +11,7 @@ from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
-from paminsa_viz.explorer.scene.sizes import symbol_size
+from paminsa_viz.explorer.scene.sizes import below, symbol_size
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes.vibrating import vibrating_glb
@@ -37,9 +37,6 @@ LARGEST: Final = 0.12
 
 LONGEST_AXIS: Final = 0.3
 """Largest half axis of the ellipsoid, as drawn [m]: the platform must not hide it."""
-
-BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
-"""Distances of the labels below the platform [m]."""
 
 
 def _outcome(frame: Frame) -> ElasticOutcome | None:
@@ -75,7 +72,7 @@ def _animated(
     x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
-        label(f"{MODE_NODE}_label", text, (x, y, z - BELOW["mode"] * size)),
+        label(f"{MODE_NODE}_label", text, below((x, y, z), "mode_shape", size)),
     )
 
 
@@ -97,7 +94,7 @@ def deflection(frame: Frame) -> Iterator[Node]:
     scale = BAR / round_scale(float(found.largest[0]), LARGEST * size)
     moved = found.points + scale * found.moves[..., 0]
     yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
-    place = found.points[found.names.index("platform"), 0] - [0, 0, BELOW["deflection"] * size]
+    place = below(found.points[found.names.index("platform"), 0], "deflection", size)
     text = f"deflection × {number(scale, 3)}: {CASES[outcome.job.case][0]}"
     yield label("/elastic/deflected_label", text, place)
 
@@ -116,7 +113,7 @@ def compliance(frame: Frame) -> Iterator[Node]:
     yield mesh(
         "/elastic/ellipsoid", shape, ball(1.0).faces, ELLIPSOID_COLOR, place=(x, y, z), opacity=0.45
     )
-    place = (x, y, z - BELOW["compliance"] * size)
+    place = below((x, y, z), "compliance", size)
     yield label("/elastic/ellipsoid_label", ellipsoid_text(scale), place)
 
 

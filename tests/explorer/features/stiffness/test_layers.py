@@ -12,8 +12,6 @@ import pytest
 import trimesh
 
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
-from paminsa_viz.explorer.features.accuracy import layers as drive_errors
-from paminsa_viz.explorer.features.stiffness import layers as elasticity
 from paminsa_viz.explorer.features.stiffness.layers import (
     LARGEST,
     LONGEST_AXIS,
@@ -23,6 +21,8 @@ from paminsa_viz.explorer.features.stiffness.layers import (
 from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import ball
+from paminsa_viz.explorer.scene.sizes import LABELS_BELOW, below
+from paminsa_viz.explorer.state.layers import LAYERS as ALL_LAYERS
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.stiffness import ElasticJob, ElasticOutcome
 from paminsa_viz.meshes.vibrating import KEYS, SIDES, vibrating_glb
@@ -38,8 +38,11 @@ def outcome() -> ElasticOutcome:
 
 
 def test_labels_below_the_platform_stand_clear_of_one_another() -> None:
-    below = sorted([drive_errors.BELOW, *elasticity.BELOW.values()])
-    assert np.diff(below).min() >= 0.069
+    """Of all layers: on the page a letter is some 0.05 m in a robot of this size."""
+    places = np.array([below(POSE[:3], name, 1.0) for name in LABELS_BELOW])
+    assert set(LABELS_BELOW) <= ALL_LAYERS.keys()
+    assert np.diff(places[:, 2]).max() <= -0.055
+    np.testing.assert_array_equal(places[:, :2], np.tile(POSE[:2], (len(places), 1)))
 
 
 @pytest.mark.slow
