@@ -30,7 +30,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
-from paminsa_viz.units import MM, NONE, number
+from paminsa_viz.units import MM, NONE, fixed, number
 
 Engine = Literal["MuJoCo", "Pinocchio"]
 
@@ -196,6 +196,9 @@ _ROUNDING = 1e-12
 _SMALL = 1e-4
 """Values below this have a power of ten, beside which there is no room for four digits."""
 
+_LARGE = 1e5
+"""Values from here on have one, too."""
+
 
 def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, ...]) -> str:
     """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
@@ -258,12 +261,17 @@ def numbers_html(
         time: Of the cursor [s].
         largest: What ``read`` has of a curve: its largest or least value.
     """
+    peaks = {chart.unit: 0.0 for chart in drawn}
+    for chart, trace in _rows(drawn):
+        peaks[chart.unit] = max(peaks[chart.unit], np.nan_to_num(abs(read[trace].peak)))
     rows = []
     for chart, trace in _rows(drawn):
         peak, peak_t, mean = read[trace]
         at = f"{peak_t:.3f} s" if math.isfinite(peak_t) else NONE
-        values = (_value(chart.value_at(trace, time)), _value(peak), at, _value(mean))
-        rows.append((trace, (*values, chart.unit), None))
+        now, most, usual = (
+            _value(one, peaks[chart.unit]) for one in (chart.value_at(trace, time), peak, mean)
+        )
+        rows.append((trace, (now, most, at, usual, chart.unit), None))
     heads = (f"At {time:.3f} s", largest, "At", "RMS", "")
     return render("motion/numbers.j2", heads=heads, rows=rows)
 
@@ -301,8 +309,17 @@ def _rows(drawn: tuple[Chart, ...]) -> list[tuple[Chart, Trace]]:
     return sorted(rows, key=lambda row: trace_order(row[1]))
 
 
-def _value(value: float) -> str:
-    """Return a value of a curve; a rounding error as 0."""
+def _value(value: float, peak: float = 0.0) -> str:
+    """Return a value of a curve; a rounding error as 0.
+
+    Args:
+        value: As above.
+        peak: The largest one in its unit, which has four digits: the others have as many decimals,
+            so that points are below each other. Without one, each has four digits of its own.
+    """
     if not math.isfinite(value):
         return NONE
-    return number(value if abs(value) > _ROUNDING else 0.0, 4 if abs(value) >= _SMALL else 2)
+    value = value if abs(value) > _ROUNDING else 0.0
+    if _SMALL <= peak < _LARGE:
+        return fixed(value, max(3 - math.floor(math.log10(peak)), 0))
+    return number(value, 4 if abs(value) >= _SMALL else 2)

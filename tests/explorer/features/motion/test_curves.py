@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -51,6 +52,18 @@ def failing() -> State:
     state = motions.choose_kind(initial_state(), Kind.LINE)
     ends = {"start": (0.0, 0.0, 0.0, -0.55), "goal": (0.6, 0.0, 0.0, -0.55)}
     return motions.change(state, **ends, back=True)
+
+
+def test_numbers_of_a_unit_have_as_many_decimals_as_its_largest(state: State) -> None:
+    drawn = drawn_charts(state, analyzed(state))
+    read = {trace: statistics(chart.t, trace) for chart in drawn for trace in chart.traces}
+    text = plots.numbers_html(drawn, read, 0.0)
+    found: dict[str, set[int]] = {}
+    for row in re.findall(r"<tr><td>(.*?)</tr>", text, re.DOTALL):
+        now, most, _, usual, unit = re.findall(r"<td>(?:<b>)?([^<]*)", row)
+        places = {len(one.partition(".")[2]) for one in (now, most, usual)}
+        found[unit] = found.get(unit, set()) | places
+    assert found == {"N·m": {3}, "N": {1}}  # of some N m and some 100 N
 
 
 @pytest.mark.slow
