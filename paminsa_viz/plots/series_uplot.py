@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.model import APPENDIX_4, Design, lift_constant
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.palette import BAD, INK, LIGHT, Theme
 from paminsa_viz.plots.series import (
     Dash,
@@ -62,7 +64,8 @@ _SMALL: dict[SeriesKind, int] = {"differences": -30, "errors": -3}
 
 _LEAST = 1e-6
 """What else is shown in a fraction of its unit has a largest value of this, as the torques of a
-robot of a tenth of the lengths have; those of a balanced robot are rounding below it."""
+robot of a tenth of the lengths have; those of a balanced robot are rounding below it. It is less
+in a robot that is lighter and smaller still."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +114,8 @@ def _chart(data: SeriesData, title: str, panels: tuple[SeriesPanel, ...]) -> Cha
     traces.sort(key=lambda item: trace_order(item[1]))
     unit = display_unit(panels[0].unit)
     largest = largest_size([trace for _, trace in traces])
-    if data.kind in _SMALL or unit.factor * largest >= _LEAST:
-        unit = readable_unit(panels[0].unit, largest, lowest=_SMALL.get(data.kind, -6))
+    if data.kind in _SMALL or unit.factor * largest >= _least(data.sources.analysis.design):
+        unit = readable_unit(panels[0].unit, largest, lowest=_SMALL.get(data.kind, -30))
     if data.sources.engine is not None:
         title = title.format(data.sources.engine.name)
     drawn = tuple(
@@ -123,6 +126,13 @@ def _chart(data: SeriesData, title: str, panels: tuple[SeriesPanel, ...]) -> Cha
         for panel, trace in traces
     )  # fmt: skip
     return Chart(f"{title} [{unit.text}]", unit.text, data.time, drawn, data.failing)
+
+
+def _least(design: Design) -> float:
+    """Return `_LEAST` for a robot: its torques are in proportion to its weight and its lengths."""
+    weight = lift_constant(design) / lift_constant(APPENDIX_4)
+    share = 1e4 * weight * length_ratio(design.geometry)  # 1 at a tenth of the lengths
+    return _LEAST * min(max(share, 0.0) or 1.0, 1.0)
 
 
 def trace_order(trace: Trace) -> int:

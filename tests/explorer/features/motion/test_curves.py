@@ -35,7 +35,7 @@ from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import MotionLimits, analyze
 from tests.explorer.features.motion.engine_motions import analyzed, caption
 from tests.support.charts import shown_curve
-from tests.support.samples import prototype_times
+from tests.support.samples import enlarged
 from tests.support.tasks import delivered
 
 
@@ -226,8 +226,9 @@ def test_what_is_no_piece_of_time_is_none(data: Any) -> None:
 
 def test_torques_of_a_small_robot_are_drawn_in_a_fraction_of_their_unit() -> None:
     """A chart's axis has three decimals; of a balanced robot there is nothing to enlarge."""
-    small, large = (initial_state(prototype_times(factor)) for factor in (0.1, 1.0))
+    tiny, small, large = (initial_state(enlarged(APPENDIX_4, share)) for share in (0.01, 0.1, 1.0))
     for start, unit, factor in (
+        (tiny, "10⁻⁹ N·m", 1e9),
         (small, "10⁻⁶ N·m", 1e6),
         (large, "N·m", 1.0),
         (actions.load_design(large, balance(APPENDIX_4).after), "N·m", 1.0),
