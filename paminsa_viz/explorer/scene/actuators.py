@@ -102,6 +102,10 @@ def force_arrow(fraction: float) -> Array:
     return np.stack([across, aside, height], axis=-1).reshape(-1, 3)
 
 
+NO_WEIGHT: Final = 1e-6
+"""Torque [N m] and force [N] of an arrow at full size, of a robot that nothing pulls down."""
+
+
 def arrow_scales(design: Design) -> tuple[float, float]:
     """Return the torque [N m] and the force [N] of an arrow at full size.
 
@@ -111,7 +115,7 @@ def arrow_scales(design: Design) -> tuple[float, float]:
     c = lumped_coefficients(design)
     weight = float(abs(c[0]) + abs(c[1]) + abs(c[2]))
     torque = 0.5 * weight * design.geometry.base_radius
-    return max(torque, 1e-6), max(1.5 * lift_constant(design), 1e-6)
+    return torque or NO_WEIGHT, max(1.5 * lift_constant(design), 0.0) or NO_WEIGHT
 
 
 @kept(8)
@@ -151,7 +155,7 @@ def torques_meaning(frame: Frame) -> LegendRow:
     torque, force = arrow_scales(frame.shown_design)
     turn = f"{math.degrees(FULL_TURN):.0f}° = {number(torque, 3)} N·m"
     full = FULL_LENGTH * symbol_size(frame.shown_design.geometry)
-    length = f"{1e3 * full:.0f} mm = {number(force, 3)} N"
+    length = f"{number(1e3 * full, 3)} mm = {number(force, 3)} N"
     return palette.ACTUATOR_COLORS, f"static torques, arc {turn}; F₄ {length}"
 
 

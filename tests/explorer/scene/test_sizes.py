@@ -11,7 +11,7 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.features.maps.floor import RING, FloorMap
-from paminsa_viz.explorer.scene.actuators import torques_meaning
+from paminsa_viz.explorer.scene.actuators import arrow_scales, torques_meaning
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.sizes import LEAST, symbol_size
 from paminsa_viz.model import APPENDIX_4, LoadCase
@@ -30,6 +30,13 @@ def size_of(name: str) -> Callable[[Any], float]:
 def longest(node: Any) -> float:
     """Return the length of the longest of a node's arrows [m]."""
     return float(np.linalg.norm(np.diff(node.points, axis=1), axis=-1).max())
+
+
+def test_torques_of_a_tiny_robot_are_drawn_as_those_of_the_prototype() -> None:
+    """Their scale followed the weight down to 10⁻⁶ N·m, beside which they were no arcs."""
+    prototype, tiny = np.array([arrow_scales(enlarged(APPENDIX_4, share)) for share in (1.0, 0.01)])
+    np.testing.assert_allclose(tiny / prototype, [1e-8, 1e-6])
+    assert "F₄ 2.6 mm" in str(torques_meaning(frame_at(POSE, enlarged(APPENDIX_4, 0.01))))
 
 
 EXACT: dict[str, tuple[str, Callable[[Any], float]]] = {
@@ -67,12 +74,15 @@ def test_symbols_grow_with_the_robot(scene: Scene, name: str) -> None:
 
 def test_mark_on_the_ground_grows_with_the_robot(server: viser.ViserServer) -> None:
     view = FloorMap(SceneContext(server.scene))
-    sizes = []
+    sizes, heights = [], []
     for times in (1.0, 3.0):
         view.draw(frame_at(design=resized(APPENDIX_4, times), layers=[]), False)
-        back = server.scene._handle_from_node_name["/floor/pose/back"]
+        nodes: Any = server.scene._handle_from_node_name
+        back, mark = (nodes[f"/floor/pose/{name}"] for name in ("back", "mark"))
         sizes.append(size_of("vertices")(back))
+        heights.append(np.ptp([*back.vertices[:, 2], *mark.vertices[:, 2]]))
     assert sizes == pytest.approx([2 * RING, 6 * RING], rel=0.005)  # a polygon
+    assert heights[1] == pytest.approx(3 * heights[0], rel=1e-5)  # or its parts are beside another
 
 
 def test_symbols_are_of_a_stated_size_and_none_is_tiny() -> None:

@@ -53,7 +53,7 @@ MARK: Final = (
     ("mark", INK, (0.14, 0.75), (0.28, 0.22), 0.0006),
 )
 """The mark below the platform: name, color, radii and widths of its circles over `RING`, and height
-[m]."""
+of the prototype's [m]."""
 
 
 @kept(4)
@@ -63,7 +63,7 @@ def _mark(size: float) -> tuple[Node, ...]:
     return tuple(
         flat_curves(
             f"/floor/pose/{name}", radius * circles(radii), color, radius * np.array(widths),
-            height=height,
+            height=size * height,
         )
         for name, color, radii, widths, height in MARK
     )  # fmt: skip

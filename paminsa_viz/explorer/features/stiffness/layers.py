@@ -80,7 +80,7 @@ def mode_text(mode: int, frequency: float, swing: float) -> str:
     """Return the label of an animated mode: its frequency and its scale."""
     return (
         f"mode {mode + 1}: {number(frequency, 3)} Hz, largest swing drawn as "
-        f"{1e3 * swing:.0f} mm, slowed down"
+        f"{number(1e3 * swing, 3)} mm, slowed down"
     )
 
 
