@@ -112,11 +112,11 @@ class Frame:
     def distances(self) -> str:
         """How far the last reachable pose is from each singularity."""
         s = self.singularity
-        found = [f"{1e3 * abs(float(s.position_distance)):.0f} mm from the singular circle"]
+        found = [f"{number(1e3 * abs(float(s.position_distance)), 3)} mm from the singular circle"]
         if np.isfinite(s.rotation_distance):
             turn = np.degrees(abs(float(s.rotation_distance)))
             found.append(f"{turn:.1f}° from a singular rotation")
-        found.append(f"{1e3 * float(s.serial_distance):.0f} mm from a pantograph's limit")
+        found.append(f"{number(1e3 * float(s.serial_distance), 3)} mm from a pantograph's limit")
         return ", ".join(found)
 
     @cached_property

@@ -6,7 +6,7 @@ import math
 
 from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.model import APPENDIX_4, Design, static_imbalance
+from paminsa_viz.model import APPENDIX_4, Design, Geometry, static_imbalance
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.units import fixed
@@ -33,6 +33,15 @@ def decimals(design: Design) -> tuple[int, int]:
     size = weight + math.log10(length_ratio(design.geometry))
     # beyond -8 and -6 a line would be too short
     return max(3 - round(max(size, -8.0)), 0), max(2 - round(max(weight, -6.0)), 0)
+
+
+def millimeter_decimals(geometry: Geometry) -> int:
+    """Return with how many decimals places of a robot are written in mm: one, more in a small one.
+
+    A tenth of a millimeter is a small part of the prototype's lengths, and a large one of bars of
+    a few millimeters.
+    """
+    return 1 + max(-round(math.log10(length_ratio(geometry))), 0)
 
 
 def line_texts(design: Design, torques: Array) -> list[str]:

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.features.motion import points
 from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Entry, Folder, Html, Run
 from paminsa_viz.explorer.kit.inputs import Number
+from paminsa_viz.explorer.kit.robot_texts import millimeter_decimals
 from paminsa_viz.explorer.kit.setting_inputs import layer_switch
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.motion import FARTHEST, Kind, Motion
@@ -41,10 +42,11 @@ def points_html(frame: Frame) -> str:
     state = frame.state
     found = points.listed(state)
     reached = checked_poses(state.document.design.geometry, tuple(point.pose for point in found))
+    places = millimeter_decimals(state.document.design.geometry)
     rows = []
     for point, reachable in zip(found, reached, strict=True):
         x, y, theta, z = point.pose
-        lengths = [number(round(1e3 * value, 1), 6) for value in (x, y, z)]
+        lengths = [number(round(1e3 * value, places), 6) for value in (x, y, z)]
         angle = number(round(math.degrees(theta), 1))
         rows.append({"name": point.name, "values": [*lengths, angle], "reachable": reachable})
     return render("motion/points.j2", rows=rows, selected=points.selected(state), message=SELECT)

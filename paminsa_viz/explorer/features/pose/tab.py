@@ -15,7 +15,7 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.kit.design_numbers import of_size, shrunk
 from paminsa_viz.explorer.kit.entries import Button, Html, Run
 from paminsa_viz.explorer.kit.inputs import Dropdown, Number, Slider, attribute
-from paminsa_viz.explorer.kit.robot_texts import decimals, line_texts, of_pose
+from paminsa_viz.explorer.kit.robot_texts import decimals, line_texts, millimeter_decimals, of_pose
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.kept import kept
@@ -61,7 +61,7 @@ def status_line_html(frame: Frame) -> str:
     level, title, lines = _status(frame)
     if frame.health is Health.OK and level == "ok":
         margin = 1e3 * frame.configuration.reach.margins.min()
-        places = 0 if grain(frame.configuration.geometry) == GRAIN else 1
+        places = millimeter_decimals(frame.configuration.geometry) - 1
         lines = [f"margin {fixed(float(margin), places)} mm to the nearest limit"]
     back = bool(frame.state.steps.back)
     return render("pose/status_line.j2", level=level, title=title, lines=lines, back=back)
@@ -71,7 +71,8 @@ def _at_rest(name: str, frame: Frame, **values: Any) -> str:
     """Return a template of this section with what it writes of a robot at rest."""
     return render(
         f"pose/{name}.j2", frame=frame, torques=frame.torques,
-        decimals=decimals(frame.shown_design), **values,
+        decimals=decimals(frame.shown_design),
+        places=millimeter_decimals(frame.configuration.geometry), **values,
     )  # fmt: skip
 
 
@@ -132,8 +133,9 @@ def pose_line_html(frame: Frame) -> str:
     return render(
         "pose/line.j2", stale=frame.health is Health.UNREACHABLE,
         other=frame.state.last_reachable.geometry != frame.state.document.design.geometry,
-        values=[(1e3 * x, " mm"), (1e3 * y, " mm"), (float(np.degrees(theta)), "°"),
-                (1e3 * z, " mm")],
+        places=millimeter_decimals(frame.configuration.geometry),
+        values=[(1e3 * x, "mm"), (1e3 * y, "mm"), (float(np.degrees(theta)), "°"),
+                (1e3 * z, "mm")],
     )  # fmt: skip
 
 

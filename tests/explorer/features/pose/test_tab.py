@@ -24,6 +24,7 @@ from paminsa_viz.explorer.features.pose.tab import (
     holding,
     load_html,
     pose_limits,
+    pose_line_html,
     quality_html,
     status_line_html,
     summary_html,
@@ -106,6 +107,22 @@ def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
         text = quality_html(compute(initial_state(prototype_times(factor))))
         texts.append(re.findall('"pv-(ok|warn|bad)"', text))
     assert texts == [["ok"] * 12] * 2
+
+
+def test_places_have_as_many_digits_in_a_robot_of_a_few_millimeters() -> None:
+    for factor, pose, margin, lift in (
+        (0.01, "(0.500 mm, 0.300 mm, 20.1°, −5.500 mm)", 3, 3),
+        (1.0, "(50.0 mm, 30.0 mm, 20.1°, −550.0 mm)", 1, 1),
+        (10.0, "(500.0 mm, 300.0 mm, 20.1°, −5500.0 mm)", 1, 1),
+    ):
+        at = (0.05 * factor, 0.03 * factor, 0.35, -0.55 * factor)
+        frame = compute(actions.move_to(initial_state(enlarged(APPENDIX_4, factor)), at))
+        assert pose in pose_line_html(frame)
+        margins = re.findall(r"<td class=\"pv-ok\">([\d.]+)<i", quality_html(frame))
+        assert {len(one.partition(".")[2]) for one in margins} == {margin}
+        found = re.search(r"Z = [\d.]+?\.(\d+) mm", actuators_html(frame))
+        assert found is not None
+        assert len(found[1]) == lift
 
 
 LONG_BARS = {"geometry.crank_length": 1.3, "geometry.coupler_length": 1.6}
