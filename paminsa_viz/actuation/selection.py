@@ -26,6 +26,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.progress import Progress, go_on, of_part
+from paminsa_viz.units import number
 
 ROTARY = 3
 """Actuators M1..M3, which may have the same drive."""
@@ -150,7 +151,7 @@ class Selection:
         nearest = figures(sizing, sizing.nearest)
         text = (
             f"no drive fits; the nearest is {nearest.drive.name}, whose {nearest.limit} is "
-            f"{100 * nearest.use:.4g} % of its limit"
+            f"{number(100 * nearest.use)} % of its limit"
         )
         factor = fitting_time(
             self.cycle, actuator, sizing.table, inertia_ratio=sizing.most_inertia, progress=progress

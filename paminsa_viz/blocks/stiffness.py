@@ -191,7 +191,7 @@ def softest_text(found: PlatformStiffness) -> str:
 def _ellipsoid_text(design: Design, found: PlatformStiffness) -> str:
     """Return the ellipsoid of compliance, and which bars would touch."""
     axes, directions = found.ellipsoid()
-    text = f"Compliance ellipsoid: {', '.join(f'{MM * axis:.3g}' for axis in axes)} mm/N"
+    text = f"Compliance ellipsoid: {', '.join(number(MM * axis, 3) for axis in axes)} mm/N"
     if axes[-1] - axes[-2] > ALIKE * axes[-1]:  # else rounding would choose the direction
         text += f", softest along ({', '.join(fixed(value, 2) for value in directions[:, -1])})"
     text += "."

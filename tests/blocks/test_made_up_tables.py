@@ -461,11 +461,11 @@ def test_tubes_and_the_ellipsoid_of_compliance() -> None:
     assert cells(table)[4][2].startswith(f"A {area:.4g} mm²")
     found: Any = SimpleNamespace(
         pose=np.array(POSE), softest_direction=0.12345,
-        ellipsoid=lambda: (np.array([1e-6, 2e-6, 3e-6]), 5.0 - np.arange(9.0).reshape(3, 3)),
+        ellipsoid=lambda: (np.array([1e-9, 2e-6, 3e-6]), 5.0 - np.arange(9.0).reshape(3, 3)),
     )  # fmt: skip
     text = stiffness._ellipsoid_text(APPENDIX_4, found)
     assert text.startswith(
-        "Compliance ellipsoid: 0.001, 0.002, 0.003 mm/N, softest along (3.00, 0.00, −3.00)."
+        "Compliance ellipsoid: 1·10⁻⁶, 0.002, 0.003 mm/N, softest along (3.00, 0.00, −3.00)."
     )
     assert stiffness.softest_text(found) == "7.07° from x"
     middle = stiffness.platform_stiffness(APPENDIX_4, np.array([0, 0, 0, POSE[3]]))
