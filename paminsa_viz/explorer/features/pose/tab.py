@@ -130,8 +130,10 @@ def summary_html(frame: Frame) -> str:
 def pose_line_html(frame: Frame) -> str:
     """Return the pose that numbers belong to, in mm and degrees."""
     x, y, theta, z = frame.state.last_reachable.pose
+    # Of a design that reaches nothing the pose that is asked for is shown, out of reach as it is.
+    reached = frame.configuration.reach.margins.min() >= 0
     return render(
-        "pose/line.j2", stale=frame.health is Health.UNREACHABLE,
+        "pose/line.j2", stale=frame.health is Health.UNREACHABLE, reached=reached,
         other=frame.state.last_reachable.geometry != frame.state.document.design.geometry,
         places=millimeter_decimals(frame.configuration.geometry),
         values=[(1e3 * x, "mm"), (1e3 * y, "mm"), (float(np.degrees(theta)), "°"),

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.core.actions import change_document
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.core.requirements import default_workspace
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS, require_possible
-from paminsa_viz.explorer.features.requirements.suggestions import suggested
+from paminsa_viz.explorer.features.requirements.suggestions import sampled, suggested
 from paminsa_viz.explorer.kit.task import Task
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.requirements import LargestJob, LargestOutcome
@@ -228,13 +228,20 @@ def set_own_range(state: State, name: str, on: bool) -> State:
 
 
 def suggest(state: State) -> State:
-    """Ask for what the current design can do around home: condition, torque, force and reach."""
+    """Ask for what the current design can do around home: condition, torque, force and reach.
+
+    Raises:
+        InvalidInput: If it reaches nothing of the workspace.
+    """
     state = with_headings(state)
-    state = change(
-        state, workspace=state.document.requirements.workspace or default_workspace(state.document)
-    )
+    workspace = state.document.requirements.workspace or default_workspace(state.document)
+    state = change(state, workspace=workspace)
+    design, theta = state.document.design, state.document.requirements.theta
+    reach = QUANTITIES["reach_margin"]
+    if not (sampled(design, theta, workspace, [reach])[reach.key] >= 0).any():
+        raise InvalidInput("design", "it reaches nothing of the workspace; change its lengths")
     bounds = [suggested(state.document, key) for key in SUGGESTED]
-    margin = bounds[-1].low or 0.0
+    margin = max(bounds[-1].low or 0.0, 0.0)
     usual = float(f"{REACH_MARGIN * length_ratio(state.document.design.geometry):.2g}")
     bounds[-1] = replace(bounds[-1], low=min(margin, usual))
     return select(change(state, bounds=tuple(bounds)), 0)

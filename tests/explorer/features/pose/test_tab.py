@@ -109,6 +109,13 @@ def test_margins_are_amber_beside_the_robots_own_lengths() -> None:
     assert texts == [["ok"] * 12] * 2
 
 
+def test_pose_of_a_design_that_reaches_nothing_is_not_called_reachable() -> None:
+    nothing = APPENDIX_4.vary({"geometry.guide_stroke": 0.001})
+    assert ">Pose (" in pose_line_html(compute(opening_state(nothing)))
+    beyond = compute(actions.move(initial_state(), x=0.9))
+    assert ">Last reachable pose (" in pose_line_html(beyond)
+
+
 def test_places_have_as_many_digits_in_a_robot_of_a_few_millimeters() -> None:
     for factor, pose, margin, lift in (
         (0.01, "(0.500 mm, 0.300 mm, 20.1°, −5.500 mm)", 3, 3),

@@ -114,6 +114,13 @@ def test_a_cylinder_is_sampled_up_to_its_rim() -> None:
     assert np.isfinite(found["condition"]).sum() == on_disc * found["condition"].size // 49
 
 
+def test_nothing_is_suggested_for_a_design_that_reaches_nothing() -> None:
+    """Its worst torque, of no pose, was taken for 1 N m, and its margin was negative."""
+    state = initial_state(APPENDIX_4.vary({"geometry.guide_stroke": 0.001}))
+    with pytest.raises(InvalidInput, match="reaches nothing of the workspace"):
+        actions.suggest(state)
+
+
 def test_the_suggested_set_has_headings_and_a_workspace() -> None:
     state = actions.suggest(initial_state())
     requirements = state.document.requirements
