@@ -6,6 +6,7 @@ else: a constant in a formula that belongs to one size of robot, or a wrong unit
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from typing import Any
@@ -29,6 +30,7 @@ from paminsa_viz.model import (
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies import METRICS, Region, measure_design
 from paminsa_viz.units import si_unit
+from tests.support.measured import CLEARANCES
 
 DIMENSIONS = {
     "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "N": (1, 1, -2), "Pa": (1, -1, -2),
@@ -116,3 +118,25 @@ def test_numbers_change_as_their_units_do(powers: tuple[float, ...], knee: KneeB
         assert np.isfinite(expected).any(), name
         largest = np.nanmax(np.abs(expected))
         np.testing.assert_allclose(after[name][1], expected, 1e-9, 1e-9 * largest, err_msg=name)
+
+
+def test_units_that_no_dimension_tells() -> None:
+    """Angles, counts a second, what is shown in another unit; clearances, which are not scaled."""
+    angles = [f"pressure_{leg}" for leg in (1, 2, 3)]
+    errors = ("error", "linear_error", "rms_error", "tolerance", "rms_tolerance", "deviation")
+    places = [f"{kind}_{place}" for kind in errors for place in ("x", "y", "horizontal", "z")]
+    turns = [*(f"{kind}_theta" for kind in errors), *(f"{kind}_tilt" for kind in errors[3:])]
+    assert {
+        key: item.unit
+        for key, item in QUANTITIES.items()
+        if re.search("rad|Hz|:", item.unit) or item.family == "clearance"
+    } == {
+        **dict.fromkeys((*angles, "deflection_tilt"), "rad"),
+        **dict.fromkeys(("stiffness_theta", "stiffness_tilt"), "N m/rad"),
+        **dict.fromkeys(("frequency_1", "frequency_drives"), "Hz"),
+        "turn_speed": "rad/s",
+        "turn_acceleration": "rad/s^2",
+        **dict.fromkeys(places, "m:um"),
+        **dict.fromkeys(turns, "rad:arcsec"),
+        **dict.fromkeys(("clearance", *(f"clearance_{key}" for key in CLEARANCES)), "m"),
+    }
