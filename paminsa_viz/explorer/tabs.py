@@ -323,23 +323,14 @@ def places_to_go() -> list[Command]:
     return found
 
 
-SUBJECTS = {
-    "export.figure": "maps, figure", "export.table": "maps, data", "export.scene": "picture",
-    "export.code": "code", "export.models": "model", "export.mujoco": "model",
-    "export.volume": "volume", "export.curves": "motion, figure", "export.series": "motion, data",
-    "export.record": "motion, picture",
-}  # fmt: skip
-"""What groups of exports are called in the command palette, by their keys."""
-
-
 def exports_of(entries: Entries) -> list[Command]:
     """Return a command for each file that a table of exports offers."""
     from paminsa_viz.explorer.commands import Command
-    from paminsa_viz.explorer.features.export.tab import volume_choices
+    from paminsa_viz.explorer.features.export.tab import SUBJECTS, volume_choices
 
     found: list[Command] = []
     for entry in entries:
-        if not isinstance(entry, ButtonGroup) or entry.key not in SUBJECTS:
+        if not isinstance(entry, ButtonGroup):
             continue
         choices = entry.choices
         shown = choices if isinstance(choices, Mapping) else volume_choices()

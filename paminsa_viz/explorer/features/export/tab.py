@@ -260,6 +260,16 @@ def export_entries(store: MapStore, legend: SceneLegend | None = None) -> Sequen
     )  # fmt: skip
 
 
+SUBJECTS = {
+    "export.figure": "maps, figure", "export.table": "maps, data", "export.scene": "picture",
+    "export.code": "code", "export.models": "model", "export.mujoco": "model",
+    "export.volume": "volume", "export.curves": "motion, figure", "export.series": "motion, data",
+    "export.record": "motion, picture",
+}  # fmt: skip
+"""What groups of exports are called in the command palette, by their keys;
+every group of `export_entries` is there."""
+
+
 def _maps_heading(frame: Frame) -> str:
     state = frame.state
     quantity = QUANTITIES[state.map_view.quantity].label

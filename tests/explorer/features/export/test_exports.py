@@ -24,10 +24,12 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import FULL, MapStore
 from paminsa_viz.explorer.features.export import exports, pictures
 from paminsa_viz.explorer.features.export.copying import LONGEST
-from paminsa_viz.explorer.features.export.tab import export_entries
+from paminsa_viz.explorer.features.export.tab import export_entries, volume_choices
 from paminsa_viz.explorer.kit import downloads
 from paminsa_viz.explorer.kit.downloads import LONGEST_NAME, File, Place, file_name
+from paminsa_viz.explorer.kit.entries import ButtonGroup
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.tabs import exports_of
 from paminsa_viz.exports import CODE, TARGETS
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.tables import TABLE_FORMATS, table_csv, table_text
@@ -225,6 +227,15 @@ def test_each_program_has_a_line_and_a_button() -> None:
     for each in every:
         assert f"<b>{each.label}</b> \N{NO-BREAK SPACE}{each.use}" in html.unescape(listed)
         assert each.label in buttons
+
+
+def test_every_button_is_in_the_command_palette() -> None:
+    groups = [entry for entry in PANEL if isinstance(entry, ButtonGroup)]
+    named = [command.key for command in exports_of(PANEL)]
+    assert len(set(named)) == len(named)
+    for group in groups:
+        choices = volume_choices() if callable(group.choices) else group.choices
+        assert {f"{group.key}.{label}" for label in choices} <= set(named)
 
 
 @pytest.mark.slow
