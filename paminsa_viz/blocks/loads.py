@@ -65,6 +65,8 @@ NO_FORCES = "There are no joint forces at the pose"
 
 def loads_blocks(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> list[Block]:
     """Return the loads at rest in a pose (4,) and on a motion."""
+    from paminsa_viz.plots.series import TITLES  # late: contours of maps
+
     design = analysis.design
     forces = joint_forces(design, pose)
     if forces.status == Limit.OK:
@@ -77,7 +79,7 @@ def loads_blocks(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> list[Bl
         return [*blocks, Note("The robot cannot run the trajectory from its start.", "bad")]
     if analysis.failure is not None:
         blocks.append(Note(f"{until_text(analysis)}:", "warn"))
-    alt = "Forces at the joints and in the bars over time, six panels."
+    alt = f"{TITLES['loads']} over time, six panels."
     return [*blocks, *motion_blocks(loads), series_figure("loads", analysis, alt)]
 
 

@@ -55,26 +55,23 @@ LOADS = (
 )
 """Loads of an actuator: field of `ActuatorSummary`, JSON key, heading, units of the actuators."""
 
-FIGURES: dict[FigureKind, str] = {
-    "pose": "Motion of the platform",
-    "torques": "Actuator torques and force",
-    "breakdown": "Actuator torques by cause",
-    "power": "Power of the actuators",
-}
-"""Figures and what they show."""
+REPORTED: tuple[FigureKind, ...] = ("pose", "torques", "breakdown", "power")
+"""Kinds of figures that the report has of a motion."""
 
 
 def motion_figures(
     analysis: TrajectoryAnalysis, reference: TrajectoryAnalysis | None = None
 ) -> list[Figure]:
     """Return the figures over time of a motion that the robot can begin, and of a reference."""
-    figures = []
-    for kind, what in FIGURES.items() if analysis.summary else ():
-        alt = f"{what} over time, four panels."
-        figures.append(
-            series_figure(kind, analysis, alt, reference=reference, caption=kind == "torques")
+    from paminsa_viz.plots.series import TITLES  # late: contours of maps
+
+    return [
+        series_figure(
+            kind, analysis, f"{TITLES[kind]} over time, four panels.",
+            reference=reference, caption=kind == "torques",
         )
-    return figures
+        for kind in (REPORTED if analysis.summary else ())
+    ]  # fmt: skip
 
 
 def trajectory_blocks(

@@ -30,6 +30,24 @@ SeriesKind = FigureKind | Literal["speed", "acceleration", "errors", "commands",
 FIGURES: tuple[FigureKind, ...] = get_args(FigureKind)
 """Kinds of figures, in the order in which they are offered; the others are parts of them."""
 
+TITLES: dict[SeriesKind, str] = {
+    "torques": "Actuator torques and force",
+    "breakdown": "Actuator torques by cause",
+    "pose": "Motion of the platform",
+    "speed": "Speed of the platform",
+    "acceleration": "Acceleration of the platform",
+    "power": "Power of the actuators",
+    "energy": "Work of the actuators and energy of the robot",
+    "loads": "Forces at the joints and in the bars",
+    "clearance": "Clearance between the bodies",
+    "tracking": "Simulated motion",
+    "errors": "Errors of the simulated motion",
+    "commands": "Commanded torques and force",
+    "comparison": "Torques and force from two sources",
+    "differences": "Differences of torques and force",
+}
+"""Titles by kind; `series_builders` has what is shown."""
+
 Dash = Literal["solid", "dashed", "dotted", "dashdot"]
 Values = NDArray[np.float64]
 

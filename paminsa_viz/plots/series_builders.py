@@ -18,6 +18,7 @@ from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, LEG_COLORS, MUTED, OK, REFERENCE
 from paminsa_viz.plots.series import (
     FIGURES,
+    TITLES,
     Dash,
     EngineTorques,
     SeriesData,
@@ -211,8 +212,7 @@ def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
     """
     if kind not in _BUILDERS:
         raise InvalidInput("kind", f"one of {', '.join(FIGURES)} is needed, not {kind!r}")
-    title, builder = _BUILDERS[kind]
-    panels = tuple(builder(sources))
+    panels = tuple(_BUILDERS[kind](sources))
     check, time = sources.analysis.check, sources.analysis.trajectory.t
     failing, until = ~check.ok, check.until
     if kind in ("comparison", "differences"):
@@ -221,7 +221,7 @@ def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
     elif kind in ("tracking", "errors", "commands"):
         time = sources.simulated_time if kind == "tracking" else sources.simulated.t
         failing, until = np.zeros(time.size, dtype=bool), time.size
-    return SeriesData(kind, title, sources, time, panels, failing, until)
+    return SeriesData(kind, TITLES[kind], sources, time, panels, failing, until)
 
 
 def _compared(
@@ -437,20 +437,20 @@ def _size_text(values: Values, unit: str) -> str:
     return _text(float(known.max()) if known.size else math.nan, unit)
 
 
-_BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[SeriesPanel]]]] = {
-    "torques": ("Actuator torques and force", _torques),
-    "breakdown": ("Actuator torques by cause", _breakdown),
-    "pose": ("Motion of the platform", _pose),
-    "speed": ("Speed of the platform", partial(_rates, "velocity", "/s")),
-    "acceleration": ("Acceleration of the platform", partial(_rates, "acceleration", "/s²")),
-    "power": ("Power of the actuators", _power),
-    "energy": ("Work of the actuators and energy of the robot", _energy),
-    "loads": ("Forces at the joints and in the bars", load_panels),
-    "clearance": ("Clearance between the bodies", clearance_panels),
-    "tracking": ("Simulated motion", _tracking),
-    "errors": ("Errors of the simulated motion", _errors),
-    "commands": ("Commanded torques and force", _commands),
-    "comparison": ("Torques and force from two sources", _comparison),
-    "differences": ("Differences of torques and force", _differences),
+_BUILDERS: dict[SeriesKind, Callable[[SeriesSources], Iterator[SeriesPanel]]] = {
+    "torques": _torques,
+    "breakdown": _breakdown,
+    "pose": _pose,
+    "speed": partial(_rates, "velocity", "/s"),
+    "acceleration": partial(_rates, "acceleration", "/s²"),
+    "power": _power,
+    "energy": _energy,
+    "loads": load_panels,
+    "clearance": clearance_panels,
+    "tracking": _tracking,
+    "errors": _errors,
+    "commands": _commands,
+    "comparison": _comparison,
+    "differences": _differences,
 }
-"""Title and builder by kind."""
+"""What makes the panels, by kind."""

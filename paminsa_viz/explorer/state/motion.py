@@ -260,7 +260,7 @@ PLOTS: dict[str, SeriesKind] = {
 }
 """What can be plotted, by what a person reads."""
 
-FIGURES: dict[SeriesKind, FigureKind] = {
+FIGURE_OF: dict[SeriesKind, FigureKind] = {
     "differences": "comparison",
     "speed": "pose",
     "acceleration": "pose",

@@ -9,7 +9,7 @@ from paminsa_viz.explorer.core.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.core.motion_results import MotionResults, MotionStore
 from paminsa_viz.explorer.features.motion.simulation import SIMULATION
 from paminsa_viz.explorer.kit.downloads import File, file_name, plain
-from paminsa_viz.explorer.state.motion import FIGURES, SIMULATED
+from paminsa_viz.explorer.state.motion import FIGURE_OF, SIMULATED
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.exports import TARGETS, Target
 from paminsa_viz.files.archives import zipped
@@ -17,8 +17,7 @@ from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
-from paminsa_viz.plots.series import FigureKind, SeriesSources
+from paminsa_viz.plots.series import FIGURES, FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.quantities import TORQUES
@@ -150,7 +149,7 @@ def volume_file(state: State, kind: str) -> File:
 def motion_figure_kind(state: State) -> FigureKind:
     """Return which figure `motion_figure` draws of a state."""
     plot = state.plots.plot
-    return FIGURES.get(plot) or next(kind for kind in FIGURE_KINDS if kind == plot)
+    return FIGURE_OF.get(plot) or next(kind for kind in FIGURES if kind == plot)
 
 
 def motion_figure(state: State, kind: str) -> File:
