@@ -33,7 +33,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.leg_points import PointWeights, bar_point, point_weights
-from paminsa_viz.model.parameters import LARGEST, Counterweight
+from paminsa_viz.model.parameters import LARGEST, LEG_JOINTS, Counterweight
 from paminsa_viz.model.statics import static_torques, torques_of_legs
 from paminsa_viz.units import format_ascii
 
@@ -69,8 +69,9 @@ class Anchor:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InvalidInput("anchor", f"{self.kind!r} is none of {', '.join(KINDS)}")
-        if self.kind == "joint" and self.joint not in (2, 3, 4, 5, 7, 8, 9):
-            raise InvalidInput("anchor", f"a leg has joints 2, 3, 4, 5, 7, 8, 9, not {self.joint}")
+        if self.kind == "joint" and self.joint not in LEG_JOINTS:
+            known = ", ".join(map(str, LEG_JOINTS))
+            raise InvalidInput("anchor", f"a leg has joints {known}, not {self.joint}")
         if self.kind == "bar":
             Counterweight(self.bar, self.joint, self.beyond)
         if not np.abs([self.radius, self.height]).max() <= LARGEST["m"]:

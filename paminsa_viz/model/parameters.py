@@ -225,6 +225,9 @@ def _numbers(group: type[Group]) -> tuple[tuple[Field[Any], float, float], ...]:
     return tuple(found)
 
 
+LEG_JOINTS = (2, 3, 4, 5, 7, 8, 9)
+"""The paper's numbers of the joints of a leg, whose masses are ``j2`` to ``j9``."""
+
 BAR_ENDS: dict[str, tuple[int, int]] = {"b3": (4, 7), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
 """Bars of the pantograph and the joints at their two ends."""
 

@@ -13,6 +13,7 @@ from paminsa_viz.blocks.kinds import Block, Figure, Note
 from paminsa_viz.blocks.workspace import workspace_blocks
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
+from paminsa_viz.model.parameters import LEG_JOINTS
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR, MUTED, PLATFORM
 from paminsa_viz.plots.formats import Credits, drawing, figure_file
@@ -98,7 +99,7 @@ def sketch(configuration: Configuration) -> bytes:
 def draw_sketch(configuration: Configuration) -> MatplotlibFigure:
     """Return both views of a configuration of shape (), to one scale, inside `formats.drawing`."""
     g = configuration.geometry
-    joints = {n: np.asarray(configuration.points[n]) for n in (2, 3, 4, 5, 7, 8, 9)}
+    joints = {number: np.asarray(configuration.points[number]) for number in LEG_JOINTS}
     feet = g.base_radius * np.array([[np.cos(a), np.sin(a), 0.0] for a in AXIS_ANGLES])
     plate = joints[5] - [0.0, 0.0, g.platform_joint_height]
     singular = float(singular_radius(g, configuration.pose[2]))

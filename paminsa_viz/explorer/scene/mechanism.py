@@ -20,10 +20,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.leg_points import bar_length
-from paminsa_viz.model.parameters import Counterweight
-
-JOINTS: Final = (2, 3, 4, 5, 7, 8, 9)
-"""The paper's joint numbers, in the order drawn."""
+from paminsa_viz.model.parameters import LEG_JOINTS, Counterweight
 
 BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3, 2)}
 """End joints of the bars, in the order drawn; a bar's mass center is midway between them."""
@@ -86,15 +83,15 @@ def skeleton(frame: Frame) -> Iterator[Node]:
     points, scale = frame.configuration.points, frame.configuration.geometry.body_scale
     bars = sticks(frame.configuration).reshape(-1, 2, 3)
     yield lines("/skeleton/lines", bars, stick_colors().reshape(-1, 2, 3), 3.5)
-    joints = np.stack([points[joint] for joint in JOINTS], axis=1)
-    colors = linear_colors(*palette.LEG_COLORS).repeat(len(JOINTS), axis=0)
+    joints = np.stack([points[joint] for joint in LEG_JOINTS], axis=1)
+    colors = linear_colors(*palette.LEG_COLORS).repeat(len(LEG_JOINTS), axis=0)
     places = joints.reshape(-1, 3)
     yield copies(
         "/skeleton/dots", ball(DOT), places, batched_colors=colors,
         batched_scales=np.full(len(places), scale, np.float32),
     )  # fmt: skip
     for leg, places in enumerate(joints, 1):
-        for joint, place in zip(JOINTS, places, strict=True):
+        for joint, place in zip(LEG_JOINTS, places, strict=True):
             name = f"/skeleton/numbers/{leg}/{joint}"
             yield label(name, str(joint), place, "bottom-left", 0.95, spaced=NUMBER_SIZE)
 
@@ -126,8 +123,8 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     """
     geometry, points = configuration.geometry, configuration.points
     axis, outward, heading = directions(configuration)
-    centers = [points[joint] for joint in JOINTS]
-    masses = [getattr(design.joints, f"j{joint}") for joint in JOINTS]
+    centers = [points[joint] for joint in LEG_JOINTS]
+    masses = [getattr(design.joints, f"j{joint}") for joint in LEG_JOINTS]
     for link in LINKS:
         if link == "b1":
             centers.append(points[2] - geometry.arm_length / 2 * outward)

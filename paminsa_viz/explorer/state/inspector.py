@@ -9,6 +9,7 @@ from typing import Final
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
+from paminsa_viz.model.parameters import LEG_JOINTS
 
 
 class Kind(Enum):
@@ -55,14 +56,11 @@ class Part:
         return "lifts the carriage" if self.leg is None else "turns the guide of its leg"
 
 
-JOINTS: Final = ("2", "3", "4", "5", "7", "8", "9")
-"""The paper's numbers of the joints of a leg."""
-
 LEGS: Final = range(3)
 
 PARTS: Final = (
     *(Part(Kind.BAR, bar, leg) for bar in BARS for leg in LEGS),
-    *(Part(Kind.JOINT, joint, leg) for joint in JOINTS for leg in LEGS),
+    *(Part(Kind.JOINT, str(joint), leg) for joint in LEG_JOINTS for leg in LEGS),
     *(Part(Kind.MOTOR, name, leg) for leg, name in enumerate(ACTUATORS[:3])),
     Part(Kind.MOTOR, ACTUATORS[3], None),
 )

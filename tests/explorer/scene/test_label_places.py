@@ -19,10 +19,11 @@ from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.label_places import Projection, apart, lifts
-from paminsa_viz.explorer.scene.mechanism import JOINTS, NUMBER_SIZE, skeleton
+from paminsa_viz.explorer.scene.mechanism import NUMBER_SIZE, skeleton
 from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch
+from paminsa_viz.model.parameters import LEG_JOINTS
 from tests.support.raw_page import TIMEOUT
 from tests.support.scene import frame_at
 
@@ -140,7 +141,7 @@ def test_numbers_of_joints_are_apart_while_the_camera_moves(ratio: int) -> None:
             look(name)
             projection = Projection.of(camera)
             assert projection is not None
-            joints = np.concatenate([frame.configuration.points[joint] for joint in JOINTS])
+            joints = np.concatenate([frame.configuration.points[joint] for joint in LEG_JOINTS])
             assert covering(projection.seen(joints)[0], size) != [], name
             places = np.array([label.position for label in scene.labels.values()])
             assert covering(projection.seen(places)[0], size) == [], name
