@@ -1,7 +1,7 @@
 """Sliders of the design's numbers, made from the registry of parameters, in groups.
 
-A new parameter appears by itself in the group of its path; a short name, a range or a step of its
-own is one entry below.
+A new parameter appears by itself in the group whose paths it begins with; the lengths are named one
+by one. A short name, a range or a step of its own is one entry below.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ MASSES = [p.path for p in PARAMETERS if p.unit == "kg"]
 
 def test_every_number_of_a_design_has_one_slider_with_a_short_label() -> None:
     offered = [p.path for group in GROUPS for p in group.parameters]
-    assert sorted(offered) == sorted(p.path for p in PARAMETERS)
+    assert sorted(offered) == sorted(p.path for p in PARAMETERS), "GROUPS has each once"
     for path, row in ROWS.items():
         name, _, unit = str(row.label).partition(" [")
         assert len(name) <= 18  # 97 px hold about that many
