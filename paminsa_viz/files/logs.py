@@ -13,7 +13,7 @@ from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput, TableFileError
 from paminsa_viz.files.columns import ACTUATORS, CURRENTS, LOG, MEASURED, TIME
 from paminsa_viz.files.table_reader import TableReader, open_table
-from paminsa_viz.files.tables import DataTable, provenance
+from paminsa_viz.files.tables import DataTable, named, provenance
 from paminsa_viz.files.trajectory_table import simulation_facts
 from paminsa_viz.identification.log import InvalidLog, Log, log_of_simulation, make_log
 from paminsa_viz.trajectory import Simulation
@@ -93,9 +93,7 @@ def log_table(log: Log) -> DataTable:
 
 
 def _table(log: Log, further: dict[str, str]) -> DataTable:
-    columns = {TIME: log.t}
-    columns |= dict(zip(ACTUATORS, log.position.T, strict=True))
-    columns |= dict(zip(MEASURED, log.torque.T, strict=True))
+    columns = {TIME: log.t} | named(ACTUATORS, log.position) | named(MEASURED, log.torque)
     facts = {"log": log.name, "samples": str(len(log.t)), "rate [1/s]": repr(log.rate)}
     facts |= {f"note {number}": note for number, note in enumerate(log.notes, 1)}
     return DataTable(columns, provenance(FORMAT, facts | further))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple, TextIO
+from typing import NamedTuple, TextIO
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from paminsa_viz.errors import TableFileError
 from paminsa_viz.files.columns import ACTUATORS, POSE, TILT
 from paminsa_viz.files.columns import MEASUREMENTS as KIND
 from paminsa_viz.files.table_reader import TableReader, open_table
-from paminsa_viz.files.tables import DataTable, provenance
+from paminsa_viz.files.tables import DataTable, named, provenance
 from paminsa_viz.model.accuracy import LEG_NAMES
 from paminsa_viz.precision.calibration import Calibration
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array
@@ -73,8 +73,7 @@ def read_measurements(path: str | os.PathLike[str]) -> MeasurementTable:
 def measurement_table(measurements: Measurements, **facts: str) -> DataTable:
     """Return measurements as a table that `read_measurements` reads."""
     names = (*POSE, *TILT)[: measurements.poses.shape[1]]
-    columns: dict[str, Any] = dict(zip(names, measurements.poses.T, strict=True))
-    columns |= dict(zip(ACTUATORS, measurements.actuators.T, strict=True))
+    columns = named(names, measurements.poses) | named(ACTUATORS, measurements.actuators)
     return DataTable(columns, provenance(FORMAT, facts))
 
 
@@ -108,7 +107,7 @@ def lengths_table(found: Calibration, source: str) -> DataTable:
 def residual_table(found: Calibration, measured: Measurements, source: str) -> DataTable:
     """Return the measured poses, and by how much the lengths before and after miss them."""
     names = (*POSE, *TILT)[: measured.poses.shape[1]]
-    columns = dict(zip(names, measured.poses.T, strict=True))
+    columns = named(names, measured.poses)
     for kind, values in (("before", found.residuals_before), ("after", found.residuals_after)):
         columns |= {f"{kind}_{name}": values[:, j] for j, name in enumerate(names)}
     held = np.array(["yes" if one else "no" for one in found.held])

@@ -69,10 +69,7 @@ def parse_published(lines: TextIO, source: str) -> PublishedTorques:
     t = columns[TIME]
     if t.size < 2:
         raise TableFileError(source, "at least two rows are needed")
-    back = np.flatnonzero(np.diff(t) <= 0)
-    if back.size:
-        row = first_row + int(back[0]) + 1
-        raise TableFileError(source, "the times have to increase", row=row, column=TIME)
+    table.require_increasing(TIME, t, first_row)
     return PublishedTorques(Path(source).stem, t, torque)
 
 

@@ -153,6 +153,24 @@ class TableReader:
                 raise self._refused(f"there are more than {most:,} {what}; thin them out")
         return first_row, {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
 
+    def require_increasing(self, name: str, values: NDArray[np.float64], first_row: int) -> None:
+        """Refuse a column of times that do not increase.
+
+        Args:
+            name: The column's name in SI units.
+            values: Its numbers (n,), in the first of which is ``first_row``, see `read_all`.
+
+        Raises:
+            TableFileError: At the first time that is not after the one before it.
+        """
+        late = np.flatnonzero(np.diff(values) <= 0)
+        if late.size:
+            row = int(late[0])
+            column = next(column for column in self.columns if column.name == name)
+            before, after = (float(values[at] / column.factor) for at in (row, row + 1))
+            problem = f"times have to increase, and {shown(after)} follows {shown(before)}"
+            raise self._refused(problem, first_row + row + 1, column.header)
+
     def _lines(self, lines: TextIO, timeout: float | None) -> Iterator[str]:
         """Yield the lines; raises at one that is too long before it is read to its end."""
         end = None if timeout is None else time.monotonic() + timeout

@@ -43,6 +43,11 @@ class DataTable:
     arrays: Mapping[str, NDArray[Any]] | None = None
 
 
+def named(names: Sequence[str], values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return values (n, columns) as columns by their names."""
+    return dict(zip(names, values.T, strict=True))
+
+
 @kinds_checked
 def provenance(layout: str, facts: Mapping[str, str]) -> dict[str, str]:
     """Return a header: name and version of the layout, the program, and facts, each on one line."""

@@ -37,7 +37,7 @@ from paminsa_viz.files.columns import (
 from paminsa_viz.files.design_schema import DRIVE_KEYS
 from paminsa_viz.files.errors import shown
 from paminsa_viz.files.table_reader import TableReader, open_table
-from paminsa_viz.files.tables import DataTable, provenance
+from paminsa_viz.files.tables import DataTable, named, provenance
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.drive import ACTUATORS as ACTUATOR_NAMES
@@ -63,16 +63,16 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
     """Return a trajectory and the actuator torques that it requires as a table."""
     t, solved, parts = analysis.trajectory, analysis.solved, analysis.breakdown
     columns = {TIME: t.t}
-    columns |= _named(POSE, t.pose) | _named(VELOCITY, t.velocity)
-    columns |= _named(ACCELERATION, t.acceleration)
-    columns |= {} if t.load is None else _named(LOAD, t.load)
-    columns |= _named(ACTUATORS, solved.actuators) | _named(SPEEDS, solved.speed)
-    columns |= _named(TORQUES, analysis.torque)
+    columns |= named(POSE, t.pose) | named(VELOCITY, t.velocity)
+    columns |= named(ACCELERATION, t.acceleration)
+    columns |= {} if t.load is None else named(LOAD, t.load)
+    columns |= named(ACTUATORS, solved.actuators) | named(SPEEDS, solved.speed)
+    columns |= named(TORQUES, analysis.torque)
     loaded = solved.loaded(analysis.design)
     for part in PARTS:
         if part != "load" or loaded:
-            columns |= _named(part_columns(part), getattr(parts, part))
-    columns |= _named(POWERS, analysis.power)
+            columns |= named(part_columns(part), getattr(parts, part))
+    columns |= named(POWERS, analysis.power)
     failure = analysis.failure
     published = [item.name for item in Misprint if item in solved.misprints and item.name]
     facts = {
@@ -98,8 +98,8 @@ def simulation_table(simulation: Simulation) -> DataTable:
     """Return a simulated motion as a table."""
     s = simulation
     columns = {TIME: s.t}
-    columns |= _named(POSE, s.pose) | _named(VELOCITY, s.velocity) | _named(WANTED, s.wanted.pose)
-    columns |= _named(TORQUES, s.torque)
+    columns |= named(POSE, s.pose) | named(VELOCITY, s.velocity) | named(WANTED, s.wanted.pose)
+    columns |= named(TORQUES, s.torque)
     columns |= dict(zip(ENERGIES, (s.work, s.loss, s.energy_drift), strict=True))
     return DataTable(columns, provenance(SIMULATION_FORMAT, simulation_facts(s)))
 
@@ -117,10 +117,6 @@ def simulation_facts(simulation: Simulation) -> dict[str, str]:
         **robot_facts(s.design),
         **parameter_facts(s.design),
     }
-
-
-def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-    return dict(zip(names, values.T, strict=True))
 
 
 def robot_facts(design: Design, *, equal_legs: bool = True) -> dict[str, str]:
@@ -182,15 +178,9 @@ def parse_trajectory(
         TableFileError: If the table is refused; row and column say where.
     """
     table = TableReader(lines, TRAJECTORY, source, timeout)
-    time = next(column for column in table.columns if column.name == TIME)
     first_row, values = table.read_all(MOST_SAMPLES)
     t = values[TIME]
-    late = np.flatnonzero(np.diff(t) <= 0)
-    if late.size:
-        before, after = (float(t[late[0] + i] / time.factor) for i in (0, 1))
-        problem = f"times have to increase, and {shown(after)} follows {shown(before)}"
-        row = first_row + int(late[0]) + 1
-        raise TableFileError(source, problem, row=row, column=time.header)
+    table.require_increasing(TIME, t, first_row)
     if len(t) < 2:
         raise TableFileError(source, f"a trajectory needs at least two rows; there are {len(t)}")
 

@@ -59,10 +59,11 @@ def test_the_row_that_goes_back_in_time_is_named(place: int) -> None:
     times = [0.0, 1.0, 2.0, 3.0]
     times[place] = times[place - 1] - 0.5
     rows = "".join(f"{t},1\n" for t in times)
-    with pytest.raises(TableFileError) as caught:
-        parsed(f"# a comment\nt_s,tau1_Nm\n{rows}")
+    told = f"increase, and {times[place]} follows {times[place - 1]}"
+    with pytest.raises(TableFileError, match=told) as caught:
+        parsed(f"# a comment\nt_ms,tau1_Nm\n{rows}")
     assert caught.value.row == place + 3  # the comment and the header are rows 1 and 2
-    assert caught.value.column == "t_s"
+    assert caught.value.column == "t_ms"
 
 
 def test_values_over_positions_are_in_the_rows_of_the_table(tmp_path: Path) -> None:
