@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import tyro
 
@@ -36,7 +36,7 @@ from paminsa_viz.cli.output import (
     save_changed,
 )
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.parameters import LARGEST
+from paminsa_viz.model.parameters import LARGEST, PANTOGRAPH
 from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, solve_trajectory
 from paminsa_viz.units import MM
 from paminsa_viz.version import MADE_BY
@@ -64,15 +64,22 @@ largest mass.
 Exit code: 0 done; 1 the bounds do not allow the goal (the line names what to relax), or the robot
 cannot run the motion; 2 a wrong argument or file."""
 
+if TYPE_CHECKING:
+    BarName: TypeAlias = str
+    GoalName: TypeAlias = str
+else:
+    BarName = Literal[PANTOGRAPH]
+    GoalName = Literal[("static", *MOTION_GOALS)]
+
 MassFlag = tuple[str, float, float]
-RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
+RailFlag = tuple[BarName, int, float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
     """Flags of the command."""
 
-    goal: Literal["static", "peak", "rms", "energy"] = "static"
+    goal: GoalName = "static"
     """What to make small. A static balance holds for both branches of the knee and any motion."""
     change: Annotated[tuple[MassFlag, ...], tyro.conf.arg(metavar="PATH LOW HIGH")] = ()
     """A mass that may change, such as links.b3, and its bounds [kg]; can be repeated."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 
 from paminsa_viz.cli.arguments import OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags
 from paminsa_viz.cli.output import print_left_out, print_written
-from paminsa_viz.codegen.fmu import fmu_folder
+from paminsa_viz.codegen.fmu import FmuKind, fmu_folder
 from paminsa_viz.codegen.kit import controller_kit
 from paminsa_viz.files.atomic import write_folder
 
@@ -36,7 +36,7 @@ class Code(DesignFlags):
     float: bool = False
     """Use float instead of double."""
 
-    fmu: tuple[Literal["plant", "inverse"], ...] = ()
+    fmu: tuple[FmuKind, ...] = ()
     """Add FMI 2.0 units for co-simulation: the robot moved by its actuators, and the torques of a
     motion; can be repeated. It needs a C compiler."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 import tyro
@@ -31,6 +31,7 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.loads_table import bar_table, bearing_table, joint_table, motion_loads_table
 from paminsa_viz.files.tables import DataTable, save_table, table_endings
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.reach import require_reachable, status_words
 from paminsa_viz.trajectory import ImpossibleTrajectory, analyze
 from paminsa_viz.units import format_pose, number
@@ -52,6 +53,12 @@ Exit code: 0 done; 1 the pose is singular, or the robot cannot run the whole mot
 argument or file, or a pose out of reach."""
 
 
+if TYPE_CHECKING:
+    BarName: TypeAlias = str
+else:
+    BarName = Literal[BARS]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
@@ -59,7 +66,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     preset: OrNone[PresetName] = None
     """A ready-made motion, sized for the robot, that the loads are along; at rest without one and
     without --file."""
-    bar: OrNone[Literal["b1", "b2", "b3", "b4", "b7", "b8", "b10"]] = None
+    bar: OrNone[BarName] = None
     """Write N, V and M along this bar, at rest."""
     bearings: bool = False
     """Write peak, RMS and equivalent load of every joint instead of the motion's samples."""

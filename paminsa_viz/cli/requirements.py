@@ -131,9 +131,6 @@ class RequirementFlags(DesignFlags):
         return x, y, z
 
 
-_GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}
-
-
 @dataclass(frozen=True, kw_only=True)
 class Prove(JsonFlags, RequirementFlags):
     """Prove that all requirements hold over the workspace, or find a pose where one does not.
@@ -191,7 +188,7 @@ class Largest(JsonFlags, RequirementFlags):
         found = largest_workspace(
             design,
             requirements,
-            growth=_GROWTH[self.grow],
+            growth=Growth[self.grow.upper()],
             tolerance=None if self.tolerance is None else self.tolerance / MM,
             time_limit=self.time,
             both_sides=self.both_sides,
