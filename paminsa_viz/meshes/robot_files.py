@@ -37,6 +37,7 @@ from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.kinematics import Configuration
 
 ROOT: Final = "base"
@@ -84,9 +85,7 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
     scene.metadata.update(
         design=design.name,
         knee=geometry.knee.value,
-        pose={
-            n: float(v) for n, v in zip(("x", "y", "theta", "z"), configuration.pose, strict=True)
-        },
+        pose=dict(zip(COORDINATES, map(float, configuration.pose), strict=True)),
         units="m, rad",
         **({"legs": note} if (note := equal_legs_note(design.deviations)) else {}),
         up="y (the node paminsa turns the base frame, in which z is up)",

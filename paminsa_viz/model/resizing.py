@@ -17,13 +17,10 @@ from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry
-from paminsa_viz.model.elastic import SECTION_VALUES
+from paminsa_viz.model.elastic import BARS, SECTION_VALUES
 from paminsa_viz.model.leg_points import bar_length, counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_of_masses, mass_vector, point_mass_column
 from paminsa_viz.model.parameters import PANTOGRAPH
-
-TUBES = ("b1", "b2", *PANTOGRAPH, "b10")
-"""Bars whose mass may follow their length."""
 
 _AXIAL, _ACROSS = "axial", "across"
 
@@ -99,18 +96,18 @@ def bar_masses(
     """
     if not law.follow:
         return {}
-    ratio = {bar: np.array([_ratio(g, design.geometry, bar) for g in geometries]) for bar in TUBES}
+    ratio = {bar: np.array([_ratio(g, design.geometry, bar) for g in geometries]) for bar in BARS}
     if not law.tubes:
         found = {
             f"links.{bar}": design.value(f"links.{bar}") * ratio[bar] ** law.power("mass")
-            for bar in TUBES
+            for bar in BARS
         }
         for path, (bar, kind) in _INERTIAS.items():
             found[path] = design.value(path) * ratio[bar] ** law.power(kind)
         return found
     found = {}
     along, across = {}, {}
-    for bar in TUBES:
+    for bar in BARS:
         size = ratio[bar] if law.grow else np.ones(len(geometries))
         length = np.array([_length(g, bar) for g in geometries])
         mass = design.elastic.density * design.elastic.section(bar).area * size**2 * length
@@ -126,7 +123,7 @@ def bar_masses(
 def _grown_sections(design: Design, after: Geometry) -> dict[str, float | None]:
     """Return the elastic data of tubes that have grown with their bars, by path."""
     found: dict[str, float | None] = {}
-    for bar in TUBES:
+    for bar in BARS:
         ratio = _ratio(after, design.geometry, bar)
         for end in ("outer", "inner"):
             found[f"elastic.{bar}_{end}"] = ratio * design.value(f"elastic.{bar}_{end}")

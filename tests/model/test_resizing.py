@@ -20,10 +20,10 @@ from paminsa_viz.model import (
     mass_vector,
     resized,
 )
-from paminsa_viz.model.elastic import tube_section
+from paminsa_viz.model.elastic import BARS, tube_section
 from paminsa_viz.model.parameters import BAR_ENDS, PANTOGRAPH
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.model.resizing import TUBES, resized_coefficients, resized_masses
+from paminsa_viz.model.resizing import resized_coefficients, resized_masses
 from tests.support.samples import random_design
 
 LAWS = (BarLaw(), BarLaw(grow=True), BarLaw(tubes=True), BarLaw(grow=True, tubes=True))
@@ -62,7 +62,7 @@ def test_bars_follow_in_proportion_as_uniform_bodies_do(seed: int, grow: bool) -
     design = random_design(np.random.default_rng(seed))
     after = resized(design, longer(design, seed), BarLaw(grow=grow))
     before, now = lengths(design), lengths(after)
-    for bar in TUBES:
+    for bar in BARS:
         r = now[bar] / before[bar]
         wide = r if grow else 1.0
         mass = wide**2 * r

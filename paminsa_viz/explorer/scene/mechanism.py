@@ -18,11 +18,12 @@ from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.model.parameters import LEG_JOINTS, Counterweight
 
-BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3, 2)}
+ENDS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3, 2)}
 """End joints of the bars, in the order drawn; a bar's mass center is midway between them."""
 
 DOT: Final = 0.0085
@@ -57,7 +58,7 @@ def sticks(configuration: Configuration) -> Array:
     guide = axis - geometry.guide_link_length * heading
     below = points[5].copy()
     below[:, 2] = configuration.pose[3]
-    bars = [np.stack([points[a], points[b]], axis=1) for a, b in BARS.values()]
+    bars = [np.stack([points[a], points[b]], axis=1) for a, b in ENDS.values()]
     bars += [
         np.stack(pair, axis=1)
         for pair in (
@@ -96,8 +97,6 @@ def skeleton(frame: Frame) -> Iterator[Node]:
             yield label(name, str(joint), place, "bottom-left", 0.95, spaced=NUMBER_SIZE)
 
 
-LINKS: Final = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")
-
 BALL: Final = 0.0225
 """Radius of the sphere of 1 kg [m]."""
 
@@ -125,13 +124,13 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     axis, outward, heading = directions(configuration)
     centers = [points[joint] for joint in LEG_JOINTS]
     masses = [getattr(design.joints, f"j{joint}") for joint in LEG_JOINTS]
-    for link in LINKS:
+    for link in BARS:
         if link == "b1":
             centers.append(points[2] - geometry.arm_length / 2 * outward)
         elif link == "b10":
             centers.append(axis - geometry.guide_link_length / 2 * heading)
         else:
-            a, b = BARS[link]
+            a, b = ENDS[link]
             centers.append((points[a] + points[b]) / 2)
         masses.append(getattr(design.links, link))
     legs = np.stack(centers, axis=1).reshape(-1, 3)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.explorer.state.inspector import Kind, Part
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import Configuration
+from paminsa_viz.model.parameters import PANTOGRAPH
 
 NEAR: Final = 0.022
 """A click this near to the center of a joint means the joint, for the prototype's bodies [m]."""
@@ -20,7 +21,7 @@ _JOINTS: Final[dict[str, tuple[int, ...]]] = {
 }  # fmt: skip
 """Joints of the bodies of a leg."""
 
-_BARS: Final = {bar: bar for bar in ("b3", "b4", "b7", "b8")} | {"shaft": "b2", "guide": "b10"}
+_BARS: Final = {bar: bar for bar in PANTOGRAPH} | {"shaft": "b2", "guide": "b10"}
 
 PICKED: Final = ("m1", "m2", "m3", "m4", "carriage")
 """Bodies outside the legs that can be clicked."""

@@ -272,6 +272,8 @@ FIGURE_OF: dict[SeriesKind, FigureKind] = {
 SIMULATED: tuple[SeriesKind, ...] = ("errors", "commands")
 """What is plotted of a simulation."""
 
+Engine = Literal["MuJoCo", "Pinocchio"]
+
 COMPARED: tuple[SeriesKind, ...] = ("torques", "power", "energy")
 """What is plotted of a reference and of the formulas as published as well."""
 
@@ -339,7 +341,7 @@ class PlotView(Settings):
     actuator: int = 0
     published: bool = False
     engine: bool = False
-    checker: Literal["MuJoCo", "Pinocchio"] = "MuJoCo"
+    checker: Engine = "MuJoCo"
     color: int = 0
 
     @property

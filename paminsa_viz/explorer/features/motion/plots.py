@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from paminsa_viz.explorer.kit.curves import PLACE, MotionChart, TimeCursor, draw
 from paminsa_viz.explorer.kit.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.kit.task import Follower
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.motion import COMPARED, PLOTS, SIMULATED
+from paminsa_viz.explorer.state.motion import COMPARED, PLOTS, SIMULATED, Engine
 from paminsa_viz.explorer.state.simulation import EngineRequest, serves
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Array
@@ -31,8 +31,6 @@ from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
 from paminsa_viz.units import MM, NONE, fixed, number
-
-Engine = Literal["MuJoCo", "Pinocchio"]
 
 
 def _engine_switch(key: str, engine: Engine, order: float) -> Checkbox:
