@@ -7,7 +7,7 @@ defaults without importing the viewer; what draws them is imported when the scen
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
 
@@ -29,6 +29,7 @@ class Layer:
         idle: Whether what is new of it waits until nothing is dragged.
         legend: Place of a function of a `Frame`, as ``"module:name"``, that returns the color and
             the meaning of the layer's arrows, or None; empty if it has none.
+        folder: Folder of its switch, see `register`.
     """
 
     key: str
@@ -40,6 +41,7 @@ class Layer:
     animated: bool = True
     idle: bool = False
     legend: str = ""
+    folder: str = ""
 
 
 LegendRow: TypeAlias = "tuple[tuple[str, ...], str] | None"
@@ -49,8 +51,12 @@ LAYERS: Final[dict[str, Layer]] = {}
 """Every layer by its key, in the order of the page's switches."""
 
 
-def register(*layers: Layer) -> None:
+def register(*layers: Layer, folder: str = "Robot") -> None:
     """Add layers to the registry.
+
+    Args:
+        layers: What is added.
+        folder: Folder of the panel View that their switches are in.
 
     Raises:
         ValueError: If a key or a shortcut is taken.
@@ -59,7 +65,7 @@ def register(*layers: Layer) -> None:
         shortcuts = {other.shortcut for other in LAYERS.values() if other.shortcut}
         if layer.key in LAYERS or layer.shortcut in shortcuts:
             raise ValueError(f"key or shortcut of layer {layer.key!r} is taken")
-        LAYERS[layer.key] = layer
+        LAYERS[layer.key] = replace(layer, folder=folder)
 
 
 def default_layers() -> frozenset[str]:
@@ -91,6 +97,32 @@ register(
         "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion",
         "scene.mechanism:mass_balls", shortcut="C",
     ),
+    Layer("springs", "Springs", "Springs that were fitted in the section Balance",
+          "features.springs.layers:fitted_springs", default=True),
+    Layer("labels", "Labels", "Names of the actuators", "scene.actuators:actuator_labels",
+          default=True),
+    Layer(
+        "fine", "Fine detail",
+        "Round edges and bolts; on by default where there is a graphics card",
+        "scene.bodies:Bodies",
+    ),
+    Layer(
+        "shadows", "Shadows", "Shadows and reflections; slow without a graphics card",
+        "scene.stage:Stage"
+    ),
+    Layer(
+        "gizmo", "Platform handle", "Drag the platform in the scene", "scene.pose_handles:Gizmo",
+        shortcut="G",
+    ),
+    Layer("pinned_design", "Pinned design",
+          "Translucent: the reference at the same pose, where its shape differs",
+          "features.compare.layers:PinnedDesign", default=True),
+    Layer("best_so_far", "Best robot so far", "Of the search of the section Synthesis, as lines",
+          "features.synthesis.layers:best_robot", default=True),
+    folder="Robot",
+)  # fmt: skip
+
+register(
     Layer("gravity", "Weights", "The weight of each body as an arrow", "scene.mechanism:weights",
           legend="scene.mechanism:weights_meaning"),
     Layer(
@@ -108,24 +140,14 @@ register(
           "features.loads.layers:joint_arrows", legend="features.loads.layers:arrows_meaning"),
     Layer("utilization", "Bars by load", "Stress of the bars over the yield stress",
           "features.loads.layers:bar_sleeves"),
-    Layer("drive_errors", "Drive errors",
-          "Where the platform's center may be within the drives' errors, to a stated scale",
-          "features.accuracy.layers:drive_error_nodes"),
-    Layer("mode_shape", "Mode shape", "The natural mode chosen in the section Stiffness, animated",
-          "features.stiffness.layers:mode_shape", idle=True),
-    Layer("deflection", "Deflection",
-          "Displaced by the load case of the section Stiffness, enlarged",
-          "features.stiffness.layers:deflection"),
-    Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
-          "features.stiffness.layers:compliance"),
-    Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
-          "features.clearance.layers:contact_marks"),
-    Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
-          "features.clearance.layers:nearest_bodies"),
-    Layer("springs", "Springs", "Springs that were fitted in the section Balance",
-          "features.springs.layers:fitted_springs", default=True),
-    Layer("labels", "Labels", "Names of the actuators", "scene.actuators:actuator_labels",
-          default=True),
+    folder="Forces",
+)  # fmt: skip
+
+register(
+    Layer(
+        "floor_map", "Floor map", "The chosen map, under the robot; click it to go there", _FLOOR,
+        default=True, shortcut="F", animated=False,
+    ),
     Layer(
         "workspace", "Workspace boundary", "Positions within reach at the current θ and z", _FLOOR,
         default=True, animated=False,
@@ -133,10 +155,6 @@ register(
     Layer(
         "singularity", "Singular circle", "Where the platform escapes the actuators at this θ",
         _FLOOR, default=True, animated=False,
-    ),
-    Layer(
-        "floor_map", "Floor map", "The chosen map, under the robot; click it to go there", _FLOOR,
-        default=True, shortcut="F", animated=False,
     ),
     Layer("volume", "Volume of requirements",
           "Where all requirements hold, colored by what ends it there",
@@ -147,8 +165,13 @@ register(
     Layer("proven_workspace", "Proven workspace",
           "Outline of the largest one, see the section Requirements",
           "features.requirements.layers:proven_workspace", default=True, animated=False),
-    Layer("best_so_far", "Best robot so far", "Of the search of the section Synthesis, as lines",
-          "features.synthesis.layers:best_robot", default=True),
+    Layer("joint_limits", "Joint limits",
+          "Sectors: from where to where each θ turns over the poses that count; lines: the travel "
+          "of joint 8 on its guide", "features.pose.layers:JointLimits"),
+    folder="Ground and workspace",
+)  # fmt: skip
+
+register(
     Layer("path", "Path of the motion", "Colored by torque, and on the maps",
           "features.motion.layers:motion_path"),
     Layer("points", "Points of the motion",
@@ -157,29 +180,29 @@ register(
     Layer("wanted_pose", "Wanted pose",
           "Translucent: where the robot should be, while its simulation is played",
           "features.motion.layers:WantedPose", default=True),
-    Layer("pinned_design", "Pinned design",
-          "Translucent: the reference at the same pose, where its shape differs",
-          "features.compare.layers:PinnedDesign", default=True),
-    Layer("joint_limits", "Joint limits",
-          "Sectors: from where to where each θ turns over the poses that count; lines: the travel "
-          "of joint 8 on its guide", "features.pose.layers:JointLimits"),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",
         "features.motion.escape:escape_arrows", default=True,
         legend="features.motion.escape:escape_meaning",
     ),
-    Layer(
-        "gizmo", "Platform handle", "Drag the platform in the scene", "scene.pose_handles:Gizmo",
-        shortcut="G",
-    ),
-    Layer(
-        "fine", "Fine detail",
-        "Round edges and bolts; on by default where there is a graphics card",
-        "scene.bodies:Bodies",
-    ),
-    Layer(
-        "shadows", "Shadows", "Shadows and reflections; slow without a graphics card",
-        "scene.stage:Stage"
-    ),
+    folder="Motion",
+)  # fmt: skip
+
+register(
+    Layer("mode_shape", "Mode shape", "The natural mode chosen in the section Stiffness, animated",
+          "features.stiffness.layers:mode_shape", idle=True),
+    Layer("deflection", "Deflection",
+          "Displaced by the load case of the section Stiffness, enlarged",
+          "features.stiffness.layers:deflection"),
+    Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
+          "features.stiffness.layers:compliance"),
+    Layer("drive_errors", "Drive errors",
+          "Where the platform's center may be within the drives' errors, to a stated scale",
+          "features.accuracy.layers:drive_error_nodes"),
+    Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
+          "features.clearance.layers:contact_marks"),
+    Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
+          "features.clearance.layers:nearest_bodies"),
+    folder="Deformation and errors",
 )  # fmt: skip

@@ -53,10 +53,8 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulation, balance, springs, tolerances, clearance, drives, encoder, worst_errors,
-            monte_carlo, loads, stiffness, identification, calibration, requirements, synthesis,
-            pins, engine_answer: What a person set in each of these features, its jobs, and what
-            came of them.
+        simulation to pins, engine_answer: What a person set in the features of these names, their
+            jobs, and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export, recording: How files are exported, and what is made of a motion's picture.

@@ -13,6 +13,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.view.tab import view_entries
 from paminsa_viz.explorer.kit.bindings import perform
+from paminsa_viz.explorer.kit.entries import Folder
 from paminsa_viz.explorer.scene.build import build_views
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.mechanism import sticks
@@ -43,7 +44,7 @@ def grid_layer() -> Iterator[None]:
         return [Node("/grid", "grid", {"cell_size": 0.1})]
 
     before = dict(LAYERS)
-    register(Layer("grid", "Grid", "Lines every 10 cm", grid, shortcut="J"))
+    register(Layer("grid", "Grid", "Lines every 10 cm", grid, shortcut="J"), folder="Motion")
     yield
     LAYERS.clear()
     LAYERS.update(before)
@@ -52,6 +53,8 @@ def grid_layer() -> Iterator[None]:
 @pytest.mark.slow
 @pytest.mark.usefixtures("grid_layer")
 def test_registered_layer_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -> None:
+    folders = {one.label: one.entries for one in view_entries() if isinstance(one, Folder)}
+    assert "layers.grid" in [one.key for one in folders["Motion"]]
     with desk_with(server, view_entries()) as desk:
         scene = desk.session.client.scene
         context = SceneContext(scene, desk.session.dispatch)

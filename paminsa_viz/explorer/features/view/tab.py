@@ -17,20 +17,6 @@ from paminsa_viz.explorer.state.view import Appearance
 LEGS = tuple(name for name in CAMERAS if name.startswith("Leg"))
 WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
 
-
-GROUPS = {
-    "Robot": ("mesh", "skeleton", "mass_centers", "springs", "labels", "fine", "shadows", "gizmo",
-              "pinned_design", "best_so_far"),
-    "Forces": ("gravity", "torques", "load", "force_polygon", "wrench_solid", "joint_forces",
-               "utilization"),
-    "Ground and workspace": ("floor_map", "workspace", "singularity", "volume",
-                             "required_workspace", "proven_workspace", "joint_limits"),
-    "Motion": ("path", "points", "wanted_pose", "escape_twist"),
-    "Deformation and errors": ("mode_shape", "deflection", "compliance", "drive_errors",
-                               "contacts", "clearance"),
-}  # fmt: skip
-"""Keys of the layers by the folders of their switches; others are in the first one."""
-
 PLAIN = ("mesh", "labels", "pinned_design", "wanted_pose")
 
 PRESETS = {
@@ -49,12 +35,12 @@ THEMES = {
 }  # fmt: skip
 
 
-def grouped_layers() -> dict[str, tuple[str, ...]]:
+def grouped_layers() -> dict[str, list[str]]:
     """Return the keys of all registered layers by their folders."""
-    known = {key for keys in GROUPS.values() for key in keys}
-    others = tuple(key for key in LAYERS if key not in known)
-    first = next(iter(GROUPS))
-    return {name: keys + (others if name == first else ()) for name, keys in GROUPS.items()}
+    found: dict[str, list[str]] = {}
+    for key, layer in LAYERS.items():
+        found.setdefault(layer.folder, []).append(key)
+    return found
 
 
 def show_only(state: State, layers: Iterable[str]) -> State:
