@@ -11,9 +11,8 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,8 +25,7 @@ Loops = tuple[Callable[..., None], Callable[..., None]]
 """Compiled loops of a formula, over a grid and over a list, see `compiled.over_poses`."""
 
 
-@dataclass(frozen=True)
-class Formula:
+class Formula(NamedTuple):
     """A formula of a pose, written once: it runs on arrays, and on numbers in compiled loops.
 
     Attributes:

@@ -8,8 +8,11 @@ A file of this package holds those of one family.
 
 from __future__ import annotations
 
+import copyreg
 import math
+import pickle
 from collections.abc import Sequence
+from typing import Any
 
 from paminsa_viz.checks import kinds_checked, require_at_least
 from paminsa_viz.errors import InvalidInput, name_hint
@@ -59,11 +62,29 @@ def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
     Raises:
         InvalidInput: If a key is unknown; names the nearest one.
     """
-    for key in keys:
-        if key not in QUANTITIES:
-            hint = name_hint(key, QUANTITIES)
-            raise InvalidInput("quantity", f"there is no quantity {key[:40]!r}; {hint}")
-    return tuple(QUANTITIES[key] for key in keys)
+    return tuple(map(quantity_of, keys))
+
+
+def quantity_of(key: str) -> Quantity:
+    """Return a quantity by its key.
+
+    Raises:
+        InvalidInput: If the key is unknown; names the nearest one.
+    """
+    if key not in QUANTITIES:
+        hint = name_hint(key, QUANTITIES)
+        raise InvalidInput("quantity", f"there is no quantity {key[:40]!r}; {hint}")
+    return QUANTITIES[key]
+
+
+def _pickled(quantity: Quantity) -> Any:
+    """Return what a quantity is made of again: its key, as its functions have no names."""
+    if QUANTITIES.get(quantity.key) is quantity:
+        return quantity_of, (quantity.key,)
+    return quantity.__reduce_ex__(pickle.HIGHEST_PROTOCOL)
+
+
+copyreg.pickle(Quantity, _pickled)
 
 
 def selections() -> dict[str, tuple[str, ...]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from functools import cache
 from itertools import permutations
 from typing import Any
@@ -286,3 +287,11 @@ def test_a_formula_is_solved_at_the_first_call_and_kept(monkeypatch: pytest.Monk
     changed = APPENDIX_4.vary({"links.b3": 1.0, "load.force_y": 5.0, "load.point_x": 0.1})
     for quantity in QUANTITIES.values():
         assert quantity.over(field, changed).shape == field.grid.shape
+
+
+def test_a_field_can_be_taken_apart_by_dataclasses() -> None:
+    """`asdict` makes a dict of every data class in it, which no key of its results can be."""
+    field = solve_field(APPENDIX_4, Grid.over(FIXED, x=VALUES["x"]))
+    parts = asdict(field)
+    assert parts["geometry"] == asdict(APPENDIX_4.geometry)
+    np.testing.assert_array_equal(parts["status"], field.status)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 import re
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -402,3 +404,11 @@ def test_requirements_hold_at_the_heading_of_zero_unless_they_say_otherwise() ->
     assert (asked.headings(own), asked.headings(plain)) == ((0.1, 0.2), (-0.3, 0.4))
     assert [bound.size for bound in (plain, Requirement("f_4", low=-200.0, high=300.0))] == [3, 200]
     assert Requirement("clearance", low=0.0).size == 1.0
+
+
+def test_a_quantity_goes_to_another_process_as_the_registrys_own() -> None:
+    for item in QUANTITIES.values():
+        assert pickle.loads(pickle.dumps(item)) is item, item.key
+        assert deepcopy(item) is item
+    own = replace(QUANTITIES["condition"], title="mine", value=None)
+    assert pickle.loads(pickle.dumps(own)) == own
