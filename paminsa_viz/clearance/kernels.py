@@ -13,7 +13,7 @@ import numpy as np
 
 from paminsa_viz.clearance import search
 from paminsa_viz.clearance.shapes import shapes_of
-from paminsa_viz.interrupts import import_whole
+from paminsa_viz.model import backend
 from paminsa_viz.model.design import APPENDIX_4
 
 WORTH = 30
@@ -30,10 +30,11 @@ class _Search:
         self.thread: threading.Thread | None = None
 
     def compiled(self) -> Any:
-        """Return the compiled search, and wait for it."""
+        """Return the compiled search, and wait for it; without Numba the plain one."""
         with self.lock:
             if self.function is None:
-                self.function = _compile()
+                found = _compile() if backend.can_compile() else search.least_distances
+                self.function = found
             return self.function
 
     def get(self, poses: int) -> Any:
@@ -64,7 +65,6 @@ def compile_in_background() -> threading.Thread:
 
 
 def _compile() -> Any:
-    import_whole("paminsa_viz.model.compiled")  # slow to load: Numba comes with it
     from paminsa_viz.model.compiled import OPTIONS, kernel, nothing, register
 
     function = search.least_distances

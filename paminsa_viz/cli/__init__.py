@@ -6,7 +6,7 @@ wait for the page's libraries.
 
 Exit codes: 0 done; 1 a negative result, such as a verification that failed, a motion that cannot be
 run, bounds that cannot be met; 2 a wrong argument or file, with one line on stderr that names the
-place; 130 stopped with Ctrl-C.
+place, or too little memory; 130 stopped with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -69,7 +69,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # before NumPy is imported: its threads of small linear algebra wait for each other
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-        interrupts.exit_on_interrupt(COMMAND)
+        try:
+            interrupts.exit_on_interrupt(COMMAND)
+        except RuntimeError as error:
+            return _report_refused(error)
         for name in ("stdout", "stderr"):
             if getattr(sys, name) is None:  # closed by who starts it, or there is no console
                 setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
@@ -90,14 +93,38 @@ def _exit_code(words: list[str]) -> int:
             _flush_output()
     except KeyboardInterrupt:
         code = interrupts.EXIT_CODE
+    except (MemoryError, RuntimeError) as error:
+        code = _report_refused(error)
     except (PaminsaError, OSError) as error:
-        code = 1 if isinstance(error, OSError) and _reader_has_gone(error) else _report(error)
+        if isinstance(error, BlockingIOError) and not hasattr(error, "characters_written"):
+            code = _report_refused(error)  # of a process that was to start: nothing was written
+        else:
+            code = 1 if isinstance(error, OSError) and _reader_has_gone(error) else _report(error)
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
         except OSError:  # Python would report it once more at its exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
     return code
+
+
+def _report_refused(error: Exception) -> int:
+    """Print what the system lets this program have no more of, and return the exit code.
+
+    Raises:
+        Exception: The error, if it is another one.
+    """
+    if isinstance(error, MemoryError):
+        text = "there is not enough memory; fewer cells, poses or workers need less, and ulimit -v"
+        text += " may limit it"
+    elif isinstance(error, BlockingIOError) or "start new thread" in str(error):
+        text = "the system starts no more threads or processes: end others, use fewer workers, or"
+        text += " raise their limit (ulimit -u, or the container's)"
+    else:
+        raise error
+    with suppress(OSError):  # nothing is imported for it, which may fail too
+        sys.stderr.write(f"{COMMAND}: {text}\n")
+    return 2
 
 
 def _report(error: PaminsaError | OSError) -> int:

@@ -86,8 +86,8 @@ class _Kernels:
         """Return what compiles; without Numba None, and from then on all runs on NumPy."""
         try:
             return import_whole("paminsa_viz.model.compiled")
-        except ModuleNotFoundError as error:
-            if error.name != "numba":
+        except (ModuleNotFoundError, OSError) as error:  # of LLVM, which the system cannot load
+            if isinstance(error, ModuleNotFoundError) and error.name != "numba":
                 raise
             self.deferred = True  # whatever the size
             return None
@@ -130,9 +130,14 @@ def compile_now() -> None:
     _kernels.load()
 
 
+def can_compile() -> bool:
+    """Whether Numba is there to compile with."""
+    return _kernels.compiler() is not None
+
+
 def compiles() -> bool:
     """Whether work with kernels of its own may compile them now; those of here are not loaded."""
-    return is_compiled() or (not _kernels.deferred and _kernels.compiler() is not None)
+    return is_compiled() or (not _kernels.deferred and can_compile())
 
 
 def is_compiled() -> bool:

@@ -10,7 +10,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
@@ -116,7 +116,8 @@ def processes(count: int | None = None) -> Iterator[Workers]:
         # Nobody waits for what they still do: a search that is canceled would go on for seconds.
         for process in list(pool._processes.values()):
             process.kill()
-        pool.shutdown(wait=True, cancel_futures=True)
+        with suppress(RuntimeError):  # of its own thread, where the system starts no more
+            pool.shutdown(wait=True, cancel_futures=True)
 
 
 @kinds_checked

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import paminsa_viz
-from paminsa_viz import app
+from paminsa_viz import app, interrupts
 from paminsa_viz.app import AppOptions
 from paminsa_viz.cli import COMMANDS, command_module, main
 from paminsa_viz.cli.arguments import one_line
@@ -98,6 +98,10 @@ def test_flags_that_can_be_repeated_say_so() -> None:
     [
         (KeyboardInterrupt(), 130, ""),
         (OSError(98, "Address in use"), 2, "paminsa-viz: [Errno 98] Address in use\n"),
+        (MemoryError(), 2, "paminsa-viz: there is not enough memory; "),
+        (RuntimeError("can't start new thread"), 2, "paminsa-viz: the system starts no more "),
+        (BlockingIOError(11, "of a fork"), 2, "paminsa-viz: the system starts no more "),
+        (BlockingIOError(11, "of a pipe", 0), 2, "paminsa-viz: [Errno 11] of a pipe\n"),
     ],
 )
 def test_an_error_of_the_system_has_its_exit_code(monkeypatch, capsys, error, code, line) -> None:
@@ -106,7 +110,18 @@ def test_an_error_of_the_system_has_its_exit_code(monkeypatch, capsys, error, co
 
     monkeypatch.setattr(app, "run", fail)
     assert main([]) == code
-    assert capsys.readouterr().err == line
+    said = capsys.readouterr().err
+    assert said.startswith(line)
+    assert len(said.splitlines()) == bool(line)
+
+
+def test_a_program_that_can_start_no_thread_says_so(monkeypatch, capsys) -> None:
+    def fail(_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(interrupts, "exit_on_interrupt", fail)
+    assert main() == 2
+    assert "ulimit -u" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -21,10 +21,26 @@ import paminsa_viz.files, paminsa_viz.studies, paminsa_viz.synthesis
 print(*sorted(set({HEAVY}) & set(sys.modules)))
 """
 
-WITHOUT_NUMBA = """
+NOT_INSTALLED = """
 import sys
-sys.modules["numba"] = None  # as if it were not installed
+sys.modules["numba"] = None
+"""
+
+NOT_LOADED = """
+import sys
+
+class Unloadable:
+    def find_spec(self, name, path, target=None):
+        if name == "numba":
+            raise OSError("could not find/load shared object file 'libllvmlite.so'")
+
+sys.meta_path.insert(0, Unloadable())
+"""
+"""As where too little memory is left for LLVM, or its folder may hold no programs."""
+
+WITHOUT_NUMBA = """
 import numpy as np
+from paminsa_viz.clearance import clearance, kernels
 from paminsa_viz.model import APPENDIX_4, backend, inverse_dynamics, static_torques
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import PRESET, analyze
@@ -37,6 +53,7 @@ np.testing.assert_allclose(found.torque[-1], torque[0], atol=1e-9)
 backend.compile_now()
 assert not backend.is_compiled()
 analyze(APPENDIX_4, PRESET["circle"].build(APPENDIX_4.geometry).sample())
+assert np.isfinite(clearance(APPENDIX_4, pose[: kernels.WORTH]).least).all()
 """
 
 
@@ -52,5 +69,6 @@ def test_rooms_that_compute_import_no_viewer_no_plots_and_no_engine() -> None:
 
 
 @pytest.mark.slow
-def test_any_number_of_poses_without_numba() -> None:
-    run(WITHOUT_NUMBA)
+@pytest.mark.parametrize("why", [NOT_INSTALLED, NOT_LOADED], ids=["not installed", "not loaded"])
+def test_any_number_of_poses_without_numba(why: str) -> None:
+    run(why + WITHOUT_NUMBA)

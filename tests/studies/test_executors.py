@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor, Future, process
 from types import SimpleNamespace
 from typing import Any
 
@@ -70,6 +70,18 @@ def test_processes_end_with_what_they_do() -> None:
         until(long.running, "it runs")
         begin = time.monotonic()
     assert time.monotonic() - begin < 10.0
+
+
+@pytest.mark.slow
+def test_a_lack_of_threads_is_what_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not that the pool's own, which has not begun, cannot be waited for."""
+
+    def start(self: Any) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(process._ExecutorManagerThread, "start", start)
+    with pytest.raises(RuntimeError, match="can't start new thread"), processes(2) as workers:
+        list(workers.in_order(abs, [-1]))
 
 
 def test_one_process_is_this_one() -> None:
