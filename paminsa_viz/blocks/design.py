@@ -51,6 +51,15 @@ GROUPS: dict[str, str] = {
 }
 """Tables of a design file and their headings."""
 
+RIGID = ("geometry", "joints", "links", "inertias", "platform")
+"""Tables of the rigid robot, whose values are of a size with Appendix 4's for any robot like it."""
+
+FAR = 100.0
+"""Factor from Appendix 4's value at which another unit may be meant, such as g for kg."""
+
+MOST_FAR = 3
+"""How many such values are named."""
+
 _UNUSED = ("friction", "load", "payload")
 """Groups that are left out while all their values are those of Appendix 4."""
 
@@ -138,7 +147,21 @@ def changes_text(design: Design) -> str:
     count += sum(drive is not None for drive in design.drives)
     if not count:
         return "as Appendix 4"
-    return f"{_differing(count)} from Appendix 4"
+    return f"{_differing(count)} from Appendix 4{_far_text(design)}"
+
+
+def _far_text(design: Design) -> str:
+    """Return which values are so far from Appendix 4's that they may be in another unit."""
+    far = [
+        f"{name} = {_text(after)} (instead of {_text(before)})"
+        for table, name, before, after, _ in _changed(APPENDIX_4, design)
+        if table in RIGID and isinstance(before, float) and isinstance(after, float)
+        and before > 0 < after and not 1 / FAR < after / before < FAR
+    ]  # fmt: skip
+    if not far:
+        return ""
+    more = f" and {len(far) - MOST_FAR} more" if len(far) > MOST_FAR else ""
+    return f"; check the unit of {', '.join(far[:MOST_FAR])}{more}"
 
 
 def values_table(design: Design) -> Table:

@@ -13,7 +13,7 @@ import tyro
 
 from paminsa_viz.blocks.evaluation import evaluation_text
 from paminsa_viz.cli.flags import DesignFlags, check_output
-from paminsa_viz.cli.output import print_left_out
+from paminsa_viz.cli.output import ascii_numbers, print_left_out
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,
@@ -62,8 +62,8 @@ class Evaluate(DesignFlags):
         """Evaluate the table."""
         check_output("--out", self.out, [".csv"])
         design = self.given_design()
-        counts = evaluate_table(self.table, self.out, design)
-        print(f"{self.out}: {evaluation_text(counts)}")
+        found = evaluate_table(self.table, self.out, design)
+        print(f"{self.out}: {ascii_numbers(evaluation_text(*found))}")
         print_left_out(design)
         return 0
 
@@ -75,7 +75,7 @@ def evaluate_table(
     source: str | os.PathLike[str],
     target: str | os.PathLike[str],
     design: Design = APPENDIX_4,
-) -> Counter[str]:
+) -> tuple[Counter[str], float]:
     """Evaluate a CSV table of poses into another one, of any length in bounded memory.
 
     Args:
@@ -84,12 +84,13 @@ def evaluate_table(
         design: The robot.
 
     Returns:
-        How many rows have which status.
+        How many rows have which status, and the largest |theta| of a column in radians [rad].
 
     Raises:
         FileError: If a file cannot be read or written, or holds something else than poses.
     """
     counts: Counter[str] = Counter()
+    turn = 0.0
     with open_table(source) as lines:
         table = TableReader(lines, POSES, os.fspath(source))
         with open_atomically(target) as file:
@@ -100,9 +101,11 @@ def evaluate_table(
                 texts = np.array([",".join(map(str.strip, row)) for row in block.cells], object)
                 file.write(csv_rows([texts, *results.T, words]))
                 counts.update(words.tolist())
+                if "theta_rad" in table.header:
+                    turn = max(turn, float(np.abs(block.values["theta_rad"]).max(initial=0.0)))
             # Some systems do not let an open file be replaced, and it may be this one.
             lines.close()
-    return counts
+    return counts, turn
 
 
 def evaluate_block(block: TableBlock, design: Design) -> tuple[np.ndarray, np.ndarray]:

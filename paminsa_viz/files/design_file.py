@@ -175,7 +175,8 @@ def decode_text(content: str | bytes, source: str) -> str:
         except UnicodeDecodeError as error:
             line = None if utf16 else content.count(b"\n", 0, error.start) + 1
             raise DesignFileError(source, "is not a text file (UTF-8)", line=line) from error
-    return content.removeprefix("\ufeff").replace("\r\n", "\n")
+    # CR alone ends the lines of old Macintosh programs; tables of other programs are so read too.
+    return content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:

@@ -227,6 +227,11 @@ def test_in_what_designs_differ() -> None:
     assert design.changes_text(one) == "as Appendix 4"
     assert design.changes_text(other) == "5 values differ from Appendix 4"
     assert design.changes_text(APPENDIX_4.vary({"links.b1": 2.0})).startswith("1 value differs")
+    grams = {"joints.j7": 280.0, "links.b1": 0.0, "friction.coulomb_rotary": 9.0, "links.b8": 20.0}
+    text = "4 values differ from Appendix 4; check the unit of j7_kg = 280 (instead of 0.28)"
+    assert design.changes_text(APPENDIX_4.vary(grams)) == text
+    each = {f"joints.j{number}": 1e-4 for number in (2, 4, 7, 8, 9)}
+    assert design.changes_text(APPENDIX_4.vary(each)).endswith(" and 2 more")
     data = design.difference_data(one, other)
     assert data["differences"] == {
         "links.b1_kg": {"first": b1, "second": 1.5 * b1},

@@ -169,9 +169,23 @@ def test_the_length_of_the_blocks_changes_nothing(monkeypatch) -> None:
     write(POSE, random_states(np.random.default_rng(3), APPENDIX_4, 23)[0])
     evaluate_table("in.csv", "whole.csv")
     monkeypatch.setattr(table_reader.TableReader.blocks, "__defaults__", (5,))
-    assert evaluate_table("in.csv", "blocks.csv").total() == 23
+    assert evaluate_table("in.csv", "blocks.csv")[0].total() == 23
     whole, blocks = (numbers(read(name), RESULTS) for name in ("whole.csv", "blocks.csv"))
     np.testing.assert_allclose(blocks, whole, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("columns", "theta", "said"),
+    [
+        (POSE, 60.0, "; theta_rad is up to 60 rad: write degrees as theta_deg"),
+        (POSE, -1e200, "; theta_rad is up to 1e200 rad: write degrees as theta_deg"),
+        (POSE, 6.2, ""),
+        (("x_m", "y_m", "theta_deg", "z_m"), 720.0, ""),
+    ],
+)
+def test_more_than_a_turn_in_radians_is_pointed_out(capsys, columns, theta, said) -> None:
+    write(columns, [[0.0, 0.0, theta, -0.5], [0.0, 0.0, 0.0, -0.5]])
+    assert evaluate(capsys).partition("2 rows")[2] == f"{said}\n"
 
 
 def test_a_header_alone_gives_a_header(capsys) -> None:
