@@ -7,6 +7,7 @@ their annotations, see `checks.kinds_checked`.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
@@ -30,7 +31,16 @@ def geometry_of(value: object) -> Geometry:
     if isinstance(value, Design):
         return value.geometry
     problem = f"a Geometry or a Design is needed, not {kind_of(value)}"
-    raise InvalidInput("geometry", problem + way_to((Geometry, Design), value))
+    raise InvalidInput("geometry", problem + _way_to_robot((Geometry, Design), value))
+
+
+def _way_to_robot(kinds: tuple[type, ...], value: object) -> str:
+    """Return where a refused value has the robot, as the end of a sentence; often empty."""
+    if isinstance(value, str | os.PathLike):
+        return "; load_design(path) reads one"
+    if isinstance(value, Geometry):
+        return "; Design(geometry=...) has Appendix 4's masses"
+    return way_to(kinds, value)
 
 
 def require_gravity(gravity: float) -> None:
@@ -63,7 +73,7 @@ def of_design(function: Callable[P, R]) -> Callable[P, R]:
         if isinstance(value, Design):
             return value
         problem = f"a Design is needed, not {kind_of(value)}"
-        raise InvalidInput("design", problem + way_to((Design,), value))
+        raise InvalidInput("design", problem + _way_to_robot((Design,), value))
 
     return cast(Any, _checked(function, "design", design_of))
 

@@ -64,7 +64,7 @@ def as_numbers(values: ArrayLike, argument: str) -> Array:
     except ValueError:
         raise InvalidInput(argument, "the rows have different lengths") from None
     if array.dtype.kind not in "buif":
-        came = _of_objects(array) if array.dtype.kind == "O" else array.dtype.name
+        came = array.dtype.name if array.dtype.kind not in "OSU" else _of_objects(array)
         raise InvalidInput(argument, f"real numbers are needed, not {came}")
     numbers = array.astype(np.float64, copy=False)
     if isinstance(values, np.ma.MaskedArray):  # or what lies below the mask would count
@@ -72,8 +72,10 @@ def as_numbers(values: ArrayLike, argument: str) -> Array:
     return numbers
 
 
-def _of_objects(array: NDArray[np.object_]) -> str:
-    """Return what is in an array of objects, as a list with a None or mixed columns make."""
+def _of_objects(array: NDArray[Any]) -> str:
+    """Return what is in an array of texts or objects, as mixed columns or a None make one."""
+    if array.dtype.kind != "O":  # such as cells of a CSV file
+        return "text: array.astype(float) makes numbers of it"
     for value in array.flat:
         if not isinstance(value, int | float | np.number):
             return type(value).__name__

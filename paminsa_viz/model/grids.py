@@ -17,6 +17,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arguments import of_design, of_geometry
@@ -104,6 +105,7 @@ class Grid:
             yield index, Grid(tuple((name, v[part]) for (name, v), part in axes), self.fixed)
 
 
+@kinds_checked
 def xy_grid(x: ArrayLike, y: ArrayLike, theta: float, z: float) -> Grid:
     """Return the grid of Fig. 3: rows along y, columns along x, at one theta [rad] and z [m]."""
     return Grid.over((0.0, 0.0, theta, z), y=y, x=x)

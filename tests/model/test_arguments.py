@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from paminsa_viz.balancing import at_joint
 from paminsa_viz.identification import make_log
 from paminsa_viz.model import (
     APPENDIX_4,
+    Design,
     InvalidInput,
     Misprint,
     check_reach,
@@ -48,6 +50,16 @@ def test_what_is_no_robot_is_named() -> None:
             function([1.0, 2.0])
         expected = rf"{argument}: a .*Design is needed, not an? list"
         assert re.fullmatch(expected, str(caught.value)), place
+
+
+def test_a_file_or_a_geometry_in_place_of_a_design_is_told_the_way() -> None:
+    for path in ("robot.toml", Path("robot.toml")):
+        for function in (static_torques, inverse_kinematics):
+            with pytest.raises(InvalidInput, match=r"; load_design\(path\) reads one$"):
+                function(path, np.zeros(4))  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match=r"; Design\(geometry=...\) has Appendix 4's masses$"):
+        static_torques(GEOMETRY, np.zeros(4))  # type: ignore[arg-type]
+    assert replace(APPENDIX_4, geometry=GEOMETRY) == Design(geometry=GEOMETRY)
 
 
 def taking_geometries() -> dict[str, Callable[..., Any]]:
@@ -145,7 +157,7 @@ def test_a_design_is_taken_wherever_a_geometry_is_with_the_same_result() -> None
     ("pose", "problem"),
     [
         ([0.0, 0.0, 0.0], r"^pose: .* 4 entries; the shape is \(3,\)$"),
-        (["a", "b", "c", "d"], r"^pose: real numbers are needed, not str"),
+        (["a", "b", "c", "d"], r"^pose: real numbers are needed, not text: array.astype"),
         (None, r"^pose: real numbers are needed, not NoneType$"),
         ([0.0, None, 0.0, 0.0], r"^pose: real numbers are needed, not NoneType$"),
         (np.zeros(4, object), r"^pose: real numbers are needed, not objects: array.astype"),

@@ -269,6 +269,8 @@ def test_unusable_input_is_refused() -> None:
         Grid.over(np.zeros((2, 4)))
     with pytest.raises(InvalidInput, match="fixed: the last axis"):
         Grid.over([0.0, 0.0])
+    with pytest.raises(InvalidInput, match="theta: a number is needed, not a ndarray"):
+        xy_grid([0.0], [0.0], np.array([0.1, 0.2]), -0.5)  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match=r"no quantity 'weight'; there are .*tau_1, "):
         find(("tau_1", "weight"))
 
