@@ -177,7 +177,10 @@ def _of_legs(
         values: (3 legs, rows, units) [N, N m, s, 1]; infinite where a cell stays empty.
     """
     head = (
-        Cell(heading(f"{name}{SUBSCRIPTS[leg]}", unit), hint=_HINTS.get(name, ""))
+        Cell(
+            heading(f"{name}{leg + 1 if '_' in name else SUBSCRIPTS[leg]}", unit),
+            hint=_HINTS.get(name, ""),
+        )
         for leg in LEGS
         for name, unit in units.items()
     )

@@ -60,8 +60,8 @@ BASE_PARAMETERS: tuple[BaseParameter, ...] = (
     BaseParameter("b_6", "kg", "horizontal mass at joint 5"),
     BaseParameter("b_7", "kg", "vertical mass at joint 5"),
     BaseParameter("b_8", "kg m^2", "spin inertia of a leg, bars upright"),
-    BaseParameter("b_9", "kg m^2", "spin inertia, cos² psi term"),
-    BaseParameter("b_10", "kg m^2", "spin inertia, cos² phi term"),
+    BaseParameter("b_9", "kg m^2", "spin inertia, cos² ψ term"),
+    BaseParameter("b_10", "kg m^2", "spin inertia, cos² φ term"),
     BaseParameter("b_11", "kg m^2", "platform inertia I_pl − m_pl R_pl²"),
 )
 """The base parameters in their order."""

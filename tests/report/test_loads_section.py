@@ -22,11 +22,12 @@ MOTION = PRESET["arch"].build(APPENDIX_4.geometry).sample(100)
 def test_tables_hold_the_pose_and_the_motion() -> None:
     analysis = analyze(APPENDIX_4, MOTION)
     found = loads_section(analysis, POSE)
-    at_rest, _, bars_at_rest, joints, bars = (b for b in found.blocks if isinstance(b, Table))
+    at_rest, across, bars_at_rest, joints, bars = (b for b in found.blocks if isinstance(b, Table))
     forces, loads = joint_forces(APPENDIX_4, POSE), motion_loads(analysis)
     assert loads is not None
     nine = JOINT_INDEX["9"]
     assert at_rest.head[:7] == ("Joint", "On", "From", "r₁ [N]", "t₁ [N]", "z₁ [N]", "M₁ [N·m]")
+    assert across.head[:3] == ("Joint", "M_r1 [N·m]", "M_z1 [N·m]")  # set as all symbols
     sideways = sideways_forces(APPENDIX_4, POSE).force
     numbers = (forces.of("9")[0, 0], sideways[0, nine], forces.of("9")[0, 2])
     assert at_rest.rows[nine].cells[3:7] == (*(shown(value, "N") for value in numbers), "")
