@@ -17,6 +17,9 @@ from typing import NamedTuple
 NONE = "–"
 """Text for a missing number."""
 
+TIE = "\u00a0"
+"""A space at which lines do not break."""
+
 MM = 1e3
 """Millimeters in a meter."""
 
@@ -60,6 +63,10 @@ _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # A difference has its Δ before the letter, and a square its ² after the index.
 _SYMBOL = re.compile(
     r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})(?![^\W²³])(?:\^\((\w+)\))?"
+)
+_TORN = re.compile(
+    r"(?<=[\d∞]) (?=(?:%|[kM]?N|[µmd]?m|m?s|[kµ]?g|M?Pa|W|J|Hz|A|rpm)(?![a-z]))"  # 7.5 mm
+    r"|(?<=\b[xyzθκ]) (?=[−\d])|(?<=[⌀×≤≥=±]) (?=[−\d])|(?<=\S) (?=[≤≥=±×] )"  # z −5, κ ≤ 10, 3 × 4
 )
 
 
@@ -182,6 +189,11 @@ def symbols_html(text: str) -> str:
     if len(text) == 1 and text.isalpha():
         return f"<i>{escape(text)}</i>"
     return _SYMBOL.sub(typeset, escape(_with_dots(text)))
+
+
+def tied(text: str) -> str:
+    """Return a sentence in which no line ends between a number and its unit, sign or symbol."""
+    return _TORN.sub(TIE, text)
 
 
 def _with_dots(text: str) -> str:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, PARAMETER
 from paminsa_viz.units import (
     NONE,
+    TIE,
     counted,
     display_unit,
     fixed,
@@ -24,6 +25,7 @@ from paminsa_viz.units import (
     symbol_text,
     symbols_html,
     symbols_math,
+    tied,
     unit_text,
 )
 
@@ -87,6 +89,16 @@ def test_symbols_as_text_and_html(symbol: str, label: str, markup: str) -> None:
 )
 def test_symbols_in_a_sentence_are_typeset(text: str, markup: str) -> None:
     assert symbols_html(text) == markup
+
+
+def test_no_line_ends_between_a_number_and_its_unit_sign_or_symbol() -> None:
+    for text, kept in (
+        ("On 9 nodes 7.49 mm apart", "On 9 nodes 7.49~mm apart"),
+        ("⌀ 3 × 4 mm, z −562 mm, θ 0°", "⌀~3~×~4~mm, z~−562~mm, θ~0°"),
+        ("κ ≤ 10, z = −0.02 ± 0.5 N", "κ~≤~10, z~=~−0.02~±~0.5~N"),
+        ("below 14 %; M1 to M3 2 springs", "below 14~%; M1 to M3 2 springs"),
+    ):
+        assert tied(text).replace(TIE, "~") == kept
 
 
 def test_indices_of_symbols_are_drawn_lower() -> None:

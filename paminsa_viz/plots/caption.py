@@ -13,13 +13,11 @@ from paminsa_viz.plots.contours import contour_lines
 from paminsa_viz.plots.hover import cell_at, reasons
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.scale import Scale
-from paminsa_viz.units import MM, display_unit, number
+from paminsa_viz.units import MM, TIE, display_unit, number
 from paminsa_viz.version import MADE_BY
 
 LONGEST_NAME = 60
 """Characters of a design's name that a caption repeats."""
-
-_TIE = "\u00a0"  # a space at which lines do not break
 
 
 def caption(data: MapData, scales: tuple[Scale, ...], circles: str = "") -> str:
@@ -106,7 +104,7 @@ def contours_text(data: MapData, scales: tuple[Scale, ...]) -> str:
     if not any(contour_lines(data, panel, scale) for panel, scale in enumerate(scales)):
         return ""
     step = data.display.format(scales[0].levels[1] - scales[0].levels[0])
-    return f"Contours every {step.replace(' ', _TIE)}."
+    return f"Contours every {step.replace(' ', TIE)}."
 
 
 def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
@@ -119,7 +117,7 @@ def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
 
 def equals(symbol: str, value: float, unit: str) -> str:
     """Return ``symbol = value unit`` that no line break tears apart."""
-    return _TIE.join([symbol, "=", number(value), *([unit] if unit else [])])
+    return TIE.join([symbol, "=", number(value), *([unit] if unit else [])])
 
 
 def _trouble(data: MapData) -> str:

@@ -37,7 +37,7 @@ from paminsa_viz.report.sections import (
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.templates import html_environment
 from paminsa_viz.trajectory import analyze
-from paminsa_viz.units import format_pose, symbols_html
+from paminsa_viz.units import format_pose, symbols_html, tied
 from paminsa_viz.version import __version__
 
 STEPS = (
@@ -130,6 +130,7 @@ def template() -> Template:
     """Return the template of a report's page."""
     environment = html_environment([Path(__file__).parent / "templates"])
     environment.filters["symbols"] = lambda text: Markup(symbols_html(text))
+    environment.filters["tied"] = tied
     return environment.get_template("report.html")
 
 

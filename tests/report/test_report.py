@@ -259,6 +259,25 @@ TABLES = """() => Math.max(...[...document.querySelectorAll('table')].map((table
   table.getBoundingClientRect().right))"""
 """Where the widest table ends."""
 
+BROKEN_WORDS = """() => {
+  const range = document.createRange(), found = [];
+  const walk = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    const node = walk.currentNode;
+    if (!node.parentElement.closest("th, td")) continue;
+    for (const word of node.data.matchAll(/\\p{L}+/gu)) {
+      range.setStart(node, word.index);
+      range.setEnd(node, word.index + word[0].length);
+      if (range.getClientRects().length > 1) found.push(word[0]);
+    }
+  }
+  return found;
+}"""
+"""Words of tables that go on in the next line."""
+CAPTIONS = """() => Math.max(...[...document.querySelectorAll("caption span")].map((text) =>
+  text.getBoundingClientRect().right))"""
+"""Where the widest caption of a table ends."""
+
 
 @pytest.mark.browser
 def test_browser_shows_and_prints_the_report_without_requests(
@@ -281,6 +300,8 @@ def test_browser_shows_and_prints_the_report_without_requests(
         page.set_viewport_size({"width": width, "height": 900})
         across = page.evaluate("document.documentElement.scrollWidth")
         assert across <= width
+        assert page.evaluate(BROKEN_WORDS) == []
+        assert page.evaluate(CAPTIONS) <= width
     printed = page.pdf(prefer_css_page_size=True)
     page.set_viewport_size({"width": PAPER, "height": 900})
     page.emulate_media(media="print")
