@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.load import POINT, WRENCH
 from paminsa_viz.model.statics import shown_imbalance
@@ -46,7 +44,7 @@ def caption(data: MapData, scales: tuple[Scale, ...], circles: str = "") -> str:
         parts.append(f"Colored hatching: requirements broken ({names}).")
     if data.missing_word:
         parts.append(f"Dark gray: {data.missing_word}.")
-    if _beyond(data, scales):
+    if any(any(s.exceeded(panel)) for panel, s in zip(data.values, scales, strict=True)):
         parts.append("Pointed ends of the color bar: beyond its range.")
     parts.append(f"{MADE_BY}.")
     return " ".join(part for part in parts if part)
@@ -105,14 +103,6 @@ def contours_text(data: MapData, scales: tuple[Scale, ...]) -> str:
         return ""
     step = data.display.format(scales[0].levels[1] - scales[0].levels[0])
     return f"Contours every {step.replace(' ', TIE)}."
-
-
-def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
-    with np.errstate(invalid="ignore"):
-        return any(
-            bool(((panel < scale.low) | (panel > scale.high)).any())
-            for panel, scale in zip(data.values, scales, strict=True)
-        )
 
 
 def equals(symbol: str, value: float, unit: str) -> str:

@@ -211,8 +211,10 @@ def _printed(
             column = TORQUE_SYMBOLS.index(data.names[index])
             panel.mark_points(published.position, published.torque[:, column], scale)
         panel.mark_pose(data)
-    for scale, place in zip(scales, layout.bars, strict=False):
-        add_color_bar(page, data, scale, layout, place)
+    for index, place in enumerate(layout.bars):
+        values = data.values if len(layout.bars) == 1 else data.values[index]
+        pointed = scales[index].exceeded(values)
+        add_color_bar(page, data, scales[index], layout, place, pointed=pointed)
     page.text(
         0.75 * em / width, 1 - (layout.height + 0.3 * em) / height, "\n".join(note), ha="left",
         size=note_size, color=LIGHT.soft_ink, **text,

@@ -246,19 +246,33 @@ def common_lines(data: MapData, path: FloorPath | None) -> dict[str, Line]:
     return lines
 
 
+_EXTENDED = {
+    (False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both",
+}  # fmt: skip
+"""Matplotlib's words for which ends of a color bar are pointed, the lower and the upper one."""
+
+
 def add_color_bar(
     page: Figure, data: MapData, scale: Scale, layout: MapLayout, place: Rectangle,
-    theme: Theme = LIGHT,
+    theme: Theme = LIGHT, *, pointed: tuple[bool, bool] = (True, True),
 ) -> Axes:  # fmt: skip
-    """Add the color bar of a scale, with pointed ends for what lies beyond it."""
+    """Add the color bar of a scale, with pointed ends for what lies below and above it.
+
+    An end without a point leaves its room free: numbers stand where they would with it.
+    """
     em = layout.em
-    axes = add_axes(page, place)
     long = place.height if layout.vertical else place.width
-    pointed = 0.8 * em / long
+    share = 0.8 * em / long  # of a point, in the length between the points
+    below, above = (0.0 if there else share * long / (1 + 2 * share) for there in pointed)
+    if layout.vertical:
+        inner = Rectangle(place.left, place.top + above, place.width, place.height - below - above)
+    else:
+        inner = Rectangle(place.left + below, place.top, place.width - below - above, place.height)
+    axes = add_axes(page, inner)
     norm, table = scale.matplotlib_colors()
     bar = page.colorbar(
-        ScalarMappable(norm, table), cax=axes, extend="both", extendfrac=pointed,
-        orientation="vertical" if layout.vertical else "horizontal",
+        ScalarMappable(norm, table), cax=axes, extend=_EXTENDED[pointed],
+        extendfrac=share, orientation="vertical" if layout.vertical else "horizontal",
     )  # fmt: skip
     factor, unit = data.display
     fits = long / em / (2.2 if layout.vertical else 3.2)
@@ -273,7 +287,7 @@ def add_color_bar(
     outline.set(edgecolor=theme.ink, linewidth=0.07 * em)
     label = f"[{unit}]" if unit else ""
     if layout.vertical:
-        axes.set_title(label, size=em, color=theme.soft_ink, pad=0.3 * em, loc="left")
+        axes.set_title(label, size=em, color=theme.soft_ink, pad=0.3 * em + above, loc="left")
     else:
         axes.set_xlabel(label, size=em, color=theme.soft_ink, labelpad=0.1 * em)
     return axes

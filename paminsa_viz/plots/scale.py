@@ -109,6 +109,12 @@ class Scale:
         """Colors of values below ``low`` and above ``high``, as ``#rrggbb``."""
         return colors.BEYOND[self.colors]
 
+    def exceeded(self, values: ArrayLike) -> tuple[bool, bool]:
+        """Return whether some values lie below ``low``, and whether some lie above ``high``."""
+        array = np.asarray(values)
+        with np.errstate(invalid="ignore"):
+            return bool((array < self.low).any()), bool((array > self.high).any())
+
     def matplotlib_colors(self) -> tuple[Normalize, Colormap]:
         """Return matplotlib's own norm and color map."""
         from matplotlib.colors import ListedColormap, Normalize, SymLogNorm  # late: it is slow

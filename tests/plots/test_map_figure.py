@@ -316,6 +316,22 @@ def test_a_caption_says_what_circles_are_where_there_are_any(
     assert ["Circles: torques of “of the paper”" in text for text in below] == [True, False, False]
 
 
+def test_color_bars_are_pointed_where_values_lie_beyond() -> None:
+    inside = made_up(panels=1, values=np.full((1, 27, 31), 0.5))
+    place = map_layout(inside, (SCALE,), 170.0 / 25.4 * 72, 8.0, head=1.5 * 8.0).bars[0]
+    tips = [round(place.bottom) - 4, round(place.top) + 4]
+    beside = []
+    for value, pointed in ((0.5, (False, False)), (-9.0, (True, False)), (9.0, (False, True))):
+        data = replace(inside, values=np.full((1, 27, 31), value))
+        image = pixels(render_maps(data, SCALE, dpi=72.0))
+        middle = image[tips, round((place.left + place.right) / 2)]
+        assert tuple((middle < 255).any(axis=1)) == pointed
+        assert ("Pointed ends" in caption(data, (SCALE,))) == any(pointed)
+        beside.append(image[: round(place.bottom), round(place.right) + 1 :])
+    assert np.array_equal(beside[0], beside[1])  # numbers and unit keep their places
+    assert np.array_equal(beside[0], beside[2])
+
+
 def test_a_caption_names_both_designs_of_a_difference() -> None:
     data = difference(real(31, design=replace(HEAVIER, name="Heavier")), real(31))
     text = caption(data, per_panel(data, SCALE))
