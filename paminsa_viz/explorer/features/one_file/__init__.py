@@ -43,6 +43,7 @@ from paminsa_viz.model.parameters import possible_range
 from paminsa_viz.model.reach import MARGINS
 from paminsa_viz.old_names import KNEES
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme
+from paminsa_viz.units import symbols_html
 from paminsa_viz.version import MADE_BY
 
 FORMULAS = (
@@ -174,8 +175,9 @@ def _data(document: Document) -> dict[str, Any]:
 
 def _slider(entry: Slider, state: State) -> dict[str, Any]:
     low, high = entry.ends(state, given(entry.range, state))
+    label = given(entry.label, state)
     return {
-        "label": given(entry.label, state), "hint": given(entry.hint, state),
+        "label": label, "markup": symbols_html(label), "hint": given(entry.hint, state),
         "low": low, "high": high, "step": given(entry.step, state), "factor": entry.unit.factor,
     }  # fmt: skip
 

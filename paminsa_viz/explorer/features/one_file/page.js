@@ -104,7 +104,7 @@
     const row = document.createElement("div");
     row.className = "field";
     row.title = entry.hint ?? "";
-    const label = Object.assign(document.createElement("label"), { textContent: entry.label });
+    const label = Object.assign(document.createElement("label"), { innerHTML: entry.markup });
     label.htmlFor = id;
     const range = Object.assign(document.createElement("input"), { type: "range", id: `${id}.range` });
     range.setAttribute("aria-label", `${entry.label}, slider`);

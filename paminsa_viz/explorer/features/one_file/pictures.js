@@ -58,9 +58,12 @@ const drawMap = (draw, side, picture, mark, radius, singular) => {
   draw.strokeStyle = "#000000";
   draw.lineWidth = 1.5;
   if (singular > 0) {
-    draw.setLineDash([4, 3]);
     draw.beginPath();
     draw.arc(half, half, half * singular / radius, 0, 7);
+    draw.strokeStyle = "#ffffff"; // between the dashes: black alone is lost on the dark theme
+    draw.stroke();
+    draw.strokeStyle = "#000000";
+    draw.setLineDash([4, 3]);
     draw.stroke();
     draw.setLineDash([]);
   }

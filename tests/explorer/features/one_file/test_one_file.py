@@ -146,6 +146,8 @@ def test_person_changes_undoes_shares_and_saves(opened: Opened) -> None:
     torque = static_torques(APPENDIX_4, (0.081, *START.pose[1:]))
     for value in torque[:3]:
         assert f"{value:.3f}".replace("-", "−") in opened.text("actuators")
+    arm = page.locator('label[for="links.b1"]')
+    assert arm.inner_html() == "<i>m</i><sub>B1</sub> arm [kg]"
     page.get_by_label("m₇ B3, B7 [kg]", exact=True).fill("1.25")
     page.get_by_label("m₇ B3, B7 [kg]", exact=True).press("Enter")
     page.get_by_role("button", name="Pin").click()

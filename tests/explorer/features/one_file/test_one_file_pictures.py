@@ -30,6 +30,11 @@ def test_all_pictures_fit_any_window_and_paper_has_all_controls(opened: Opened) 
         until(lambda: page.evaluate(fits), f"maps are seen, {width} x {height}")
         stage = page.locator("#stage").bounding_box()
         assert stage["height"] > 0.35 * height
+    page.set_viewport_size({"width": 844, "height": 390})
+    chooser = page.locator("#kind").bounding_box()
+    middle = chooser["y"] + chooser["height"] / 2
+    label = page.locator("label[for=kind]").bounding_box()
+    assert label["y"] < middle < label["y"] + label["height"]
     counted = "Number(document.documentElement.dataset.drawn)"
     assert page.evaluate(f"""() => {{
       const before = {counted};
@@ -175,6 +180,30 @@ def test_without_webgl_a_line_says_so(opened: Opened) -> None:
     assert "N·m" in page.get_by_test_id("actuators").inner_text()
     page.close()
     assert errors == []
+
+
+CIRCLE = """(ground) => {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 200;
+  const draw = canvas.getContext("2d");
+  document.documentElement.style.setProperty("--reachless", ground);
+  drawMap(draw, 200, new ImageData(2, 2), [0, 0], 1, 0.8);
+  document.documentElement.style.removeProperty("--reachless");
+  const found = [];
+  for (let angle = 0; angle < 6.2; angle += 0.01) {
+    const place = [100 + 80 * Math.cos(angle), 100 + 80 * Math.sin(angle)].map(Math.floor);
+    found.push(draw.getImageData(...place, 1, 1).data[0]);
+  }
+  return [Math.min(...found), Math.max(...found)];
+}"""
+"""Darkest and brightest red of the singular circle on a color."""
+
+
+def test_singular_circle_is_seen_on_dark_and_light_ground(opened: Opened) -> None:
+    for ground in ("#2b2f36", "#ffffff"):
+        dark, bright = opened.page.evaluate(CIRCLE, ground)
+        assert dark < 60
+        assert bright > 200
 
 
 def test_contrast_names_and_roles(opened: Opened) -> None:
