@@ -280,7 +280,7 @@ def test_names_in_docstrings_exist() -> None:
         assert known.issuperset(name.split(".")), f"{place} names {name}"
 
 
-def test_the_page_of_the_page_names_every_section() -> None:
+def test_the_table_of_workspaces_names_every_section() -> None:
     page = (DOCS / "page.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"(?m)^\| (\w+) \| [^|]+\? \| ([^|]+) \|", page))
     named = {f"{space}/{name}" for space, names in rows.items() for name in names.split(", ")}
