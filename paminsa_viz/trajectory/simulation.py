@@ -26,6 +26,7 @@ from paminsa_viz.model.dynamics import forward_dynamics, mass_matrix
 from paminsa_viz.model.energy import kinetic_energy, potential_energy
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.trajectory.check import (
     GUIDES,
@@ -119,7 +120,8 @@ def actuator_inertia(design: Design, pose: ArrayLike) -> Array:
 # ----------------------------------------------------------------------------- the robot under them
 
 PANTOGRAPH_CLEARANCE = 1e-4
-"""Distance from a stretched or folded pantograph at which a simulation stops [m].
+"""Distance from a stretched or folded pantograph at which a simulation stops, at Appendix 4's
+lengths [m]; at others in proportion to crank plus coupler.
 
 Beyond the limit there is no motion to compute, and accelerations grow without bound before it.
 """
@@ -274,7 +276,7 @@ def simulate(
     loaded = design.load.acts or trajectory.load is not None
     energies = np.zeros(3 if loaded else 2)
     start = np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], energies])
-    stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE)
+    stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE * length_ratio(design.geometry))
     stop_at[12:] = 0.0  # the singular distances hold a clearance already
     side = np.array(check.side)
 

@@ -26,6 +26,7 @@ from paminsa_viz.synthesis.answer.prices import (
 )
 from paminsa_viz.synthesis.search.outer import refined
 from paminsa_viz.synthesis.search.result import outcomes_of
+from tests.support.samples import enlarged
 
 HEIGHT, RADIUS = 0.2, 0.1
 
@@ -221,7 +222,10 @@ def test_an_answer_that_fails_has_no_prices():
 
 
 def test_outcomes_are_active_within_a_share_of_their_bound():
-    """Of 0.5 %, of the clearance within half a millimeter; of a range the nearer side counts."""
+    """Of 0.5 %, of the clearance within half a millimeter; of a range the nearer side counts.
+
+    Small bodies have less of a clearance.
+    """
     bounds = (
         Requirement("condition", high=10.0), Requirement("f_4", low=-100.0, high=400.0),
         Requirement("clearance", low=0.001),
@@ -242,3 +246,6 @@ def test_outcomes_are_active_within_a_share_of_their_bound():
     assert active(10.049, -99.6, 0.00051, 0.1991) == [True] * 4
     assert active(10.051, -99.4, 0.00049, 0.1989) == [False] * 4
     assert active(*[np.nan] * 4) == [False] * 4
+    case = replace(case, reference=enlarged(case.reference, 0.01))
+    assert active(9.951, 398.1, 0.001004, 0.2009) == [True] * 4
+    assert active(9.951, 398.1, 0.001006, 0.2009) == [True, True, False, True]

@@ -53,7 +53,7 @@ from paminsa_viz.trajectory.check import PassageWindow
 from paminsa_viz.trajectory.equations import robot_numbers
 from paminsa_viz.trajectory.sampled import Locus, Passage
 from tests.support.cases import Case, assert_close, cases
-from tests.support.samples import with_knee
+from tests.support.samples import enlarged, with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
 from tests.trajectory.test_plant import MODEL, ROBOT
 
@@ -220,6 +220,22 @@ def test_simulation_stops_at_the_workspace_limit_with_its_reason() -> None:
     for rows in (found.pose, found.torque, found.error, found.energy_drift):
         assert len(rows) == found.t.size
         assert np.isfinite(rows).all()
+
+
+def test_simulation_of_a_small_robot_stops_as_near_to_the_limit_in_proportion() -> None:
+    poses = []
+    for factor in (1.0, 0.01):
+        design, slow = enlarged(APPENDIX_4, factor), np.sqrt(factor)  # lengths over g
+        home = HOME * [factor, factor, 1.0, factor]
+        stay = point_to_point(home, near(home), 2.0 * slow).sample(50 / slow)
+        heavy = design.vary({"payload.mass": 3.0 * factor**3})
+        found = run(heavy, control=ControlMode.FEED_FORWARD, model=design, trajectory=stay)
+        assert found.stopped is not None
+        assert found.stopped.limit is Limit.STRETCHED
+        margin = check_reach(design.geometry, found.pose[-1]).margins.min()
+        assert margin == pytest.approx(1e-4 * factor, rel=1e-3)
+        poses.append(found.pose[-1] / [factor, factor, 1.0, factor])
+    assert poses[1] == pytest.approx(poses[0], abs=1e-4)
 
 
 def test_simulation_stops_at_the_end_of_a_guide() -> None:

@@ -20,7 +20,8 @@ ACTIVE = 0.005
 """Margin below which a bound is active, as a share of the bound."""
 
 NEAR = 5e-4
-"""The same of the bound on clearance, whose own size says nothing [m]."""
+"""The same of the bound on clearance, whose own size says nothing, at the prototype's size of the
+bodies [m]."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class BoundOutcome:
         value: The value closest to the bound over the workspace [SI]; NaN if it is not known.
         margin: How far it is inside the bound, negative outside [SI].
         active: Whether the bound decides: the margin is below 0.5 % of it, of clearance below
-            0.5 mm.
+            0.5 mm in proportion to the bodies.
     """
 
     bound: Requirement | ObjectiveLimit
@@ -146,6 +147,6 @@ def outcomes_of(case: SynthesisCase, found: TrialEvaluation) -> tuple[BoundOutco
         margin = float(bound.margin(value))
         near = ACTIVE * abs(limit_of(bound, value))
         if isinstance(bound, Requirement) and bound.quantity == CLEARANCE:
-            near = NEAR
+            near = NEAR * case.reference.geometry.body_scale
         rows.append(BoundOutcome(bound, value, margin, abs(margin) <= near))
     return tuple(rows)
