@@ -36,11 +36,20 @@ class DataTable:
             Arrays of more than one dimension are rows in C order; all have as many elements.
         provenance: Key and value of the header, see `provenance`.
         arrays: What a binary file holds instead of the columns, or None.
+
+    Raises:
+        InvalidInput: If there are no columns, or they are not of one length.
     """
 
     columns: Mapping[str, NDArray[Any]]
     provenance: Mapping[str, str]
     arrays: Mapping[str, NDArray[Any]] | None = None
+
+    def __post_init__(self) -> None:
+        sizes = {np.size(column): name for name, column in self.columns.items()}
+        if len(sizes) != 1:
+            found = ", ".join(f"{name} has {size}" for size, name in sizes.items()) or "none"
+            raise InvalidInput("columns", f"columns of one length are needed, not {found}")
 
 
 def named(names: Sequence[str], values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
@@ -65,7 +74,7 @@ def csv_rows(columns: Sequence[NDArray[Any]]) -> str:
     """Return the rows of a CSV. Texts stay as they are; a number that is NaN is left empty."""
     texts = [
         ["" if value != value else repr(value) for value in column.tolist()]
-        if column.dtype.kind == "f"
+        if column.dtype.kind in "fiub"
         else column.tolist()
         for column in columns
     ]

@@ -263,6 +263,23 @@ def test_a_table_is_written_in_the_format_of_the_files_ending(tmp_path) -> None:
         save_table(TABLE, tmp_path / "table.txt")
 
 
+def test_whole_numbers_and_lists_are_columns_too() -> None:
+    columns = {"count": np.arange(2), "sure": np.array([True, False]), "x_m": [0.5, np.nan]}
+    assert table_csv(DataTable(columns, {})) == b"count,sure,x_m\n0,True,0.5\n1,False,\n"  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("columns", "problem"),
+    [
+        ({}, "columns of one length are needed, not none"),
+        ({"a_m": np.zeros(3), "b": ["x"]}, "not a_m has 3, b has 1"),
+    ],
+)  # fmt: skip
+def test_columns_of_a_table_have_one_length(columns, problem) -> None:
+    with pytest.raises(InvalidInput, match=problem):
+        DataTable(columns, {})
+
+
 def test_a_table_for_the_clipboard_has_tabs_between_its_cells() -> None:
     lines = table_text(TABLE).splitlines()
     assert lines == [*table_csv(TABLE).decode().splitlines()[:-3], "name\tvalue_N", "a\t0.1", "b\t"]
