@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from importlib.resources.abc import Traversable
 
 from jinja2 import (
+    BaseLoader,
     BytecodeCache,
     Environment,
     FileSystemBytecodeCache,
-    FileSystemLoader,
     StrictUndefined,
+    TemplateNotFound,
 )
+
+
+class _Folders(BaseLoader):
+    """Templates of folders, also of a package that is imported from a zip file."""
+
+    def __init__(self, folders: Sequence[Traversable]) -> None:
+        self.folders = folders
+
+    def get_source(
+        self, environment: Environment, template: str
+    ) -> tuple[str, str, Callable[[], bool]]:
+        for folder in self.folders:
+            file = folder.joinpath(template)
+            if file.is_file():
+                return file.read_text("utf-8"), str(file), lambda: True
+        raise TemplateNotFound(template)
 
 
 def _kept_code() -> BytecodeCache | None:
@@ -25,14 +42,14 @@ def _kept_code() -> BytecodeCache | None:
         return None
 
 
-def html_environment(folders: Sequence[Path]) -> Environment:
+def html_environment(folders: Sequence[Traversable]) -> Environment:
     """Return an environment for HTML: all but `Markup` is escaped, and unknown names are errors.
 
     Args:
         folders: Where templates are looked for.
     """
     return Environment(
-        loader=FileSystemLoader(folders),
+        loader=_Folders(folders),
         bytecode_cache=_kept_code(),
         autoescape=True,
         undefined=StrictUndefined,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import pytest
-from jinja2 import UndefinedError
+from jinja2 import TemplateNotFound, UndefinedError
 
 from paminsa_viz import templates
 
@@ -50,3 +51,15 @@ def test_a_name_that_is_missing_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "a.j2").write_text("{{ y }}")
     with pytest.raises(UndefinedError, match="'y' is undefined"):
         templates.html_environment([tmp_path]).get_template("a.j2").render(x=3)
+
+
+def test_templates_may_be_in_a_zip_file(tmp_path: Path) -> None:
+    """As those of a package that a cluster gets in one."""
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("pack/one/a.j2", "{% include 'two/b.j2' %}!")
+        archive.writestr("pack/two/b.j2", "{{ x }}")
+    pack = zipfile.Path(tmp_path / "a.zip", "pack/")
+    environment = templates.html_environment([pack / "one", pack])
+    assert environment.get_template("a.j2").render(x=3) == "3!"
+    with pytest.raises(TemplateNotFound, match="c"):
+        environment.get_template("c.j2")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from pathlib import Path
+from importlib.resources import files
 
 from jinja2 import Template
 from markupsafe import Markup
@@ -128,7 +128,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
 @lru_cache(maxsize=1)
 def template() -> Template:
     """Return the template of a report's page."""
-    environment = html_environment([Path(__file__).parent / "templates"])
+    environment = html_environment([files("paminsa_viz.report") / "templates"])
     environment.filters["symbols"] = lambda text: Markup(symbols_html(text))
     environment.filters["tied"] = tied
     return environment.get_template("report.html")

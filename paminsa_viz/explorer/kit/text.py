@@ -7,7 +7,7 @@ A template lies beside the feature that it belongs to and is named with its fold
 from __future__ import annotations
 
 from collections.abc import Collection
-from pathlib import Path
+from importlib.resources import files
 from typing import Any
 
 from markupsafe import Markup
@@ -16,9 +16,9 @@ from paminsa_viz import units
 from paminsa_viz.blocks.kinds import Note, Table
 from paminsa_viz.templates import html_environment
 
-_HERE = Path(__file__).parent
+_PAGE = files("paminsa_viz.explorer")
 
-_ENVIRONMENT = html_environment([_HERE, _HERE.parent / "features", _HERE.parent])
+_ENVIRONMENT = html_environment([_PAGE / "kit", _PAGE / "features", _PAGE])
 
 
 def css_color(color: str) -> Markup:
