@@ -8,6 +8,9 @@ The last line of a cell is shown::
 
 Robot and motion are pages of their own in a frame: the notebook keeps them, and they can be turned
 and played without a kernel and without a network. Maps and curves are the app's and the report's.
+
+The explorer itself opens in a tab of its own: it lets no other page, such as a notebook with
+``IFrame``, show it in a frame, since clicks could be caught there.
 """
 
 from __future__ import annotations
