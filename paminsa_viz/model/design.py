@@ -294,8 +294,11 @@ PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 
 def no_value(path: str) -> str:
     """Return what is wrong with a path that names no number of a design, and the nearest one."""
-    near = get_close_matches(path[:60], PARAMETER)
-    hint = f"did you mean {near[0]}?" if near else "such as links.b3 or geometry.base_radius"
+    # a name without its group, perhaps with a unit as in design files: j7, j7_kg
+    named = [known for known in PARAMETER if f"{path}_".startswith(f"{known.rpartition('.')[2]}_")]
+    near = named[:4] or get_close_matches(path[:60], PARAMETER, 1)
+    such = "such as links.b3 or geometry.base_radius"
+    hint = f"did you mean {' or '.join(near)}?" if near else such
     return f"there is no design value of this name; {hint}"
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz import old_names
-from paminsa_viz.errors import FileError
+from paminsa_viz.errors import FileError, InvalidInput
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import write_design
@@ -66,6 +66,13 @@ def test_every_number_can_be_set_alone() -> None:
         design = read_design(f"{VERSION}{heading}{key.name} = {value!r}", "robot.toml")
         assert design == APPENDIX_4.vary({key.parameter.path: value}), key.path
         assert design.name == "robot"
+
+
+def test_the_name_of_a_key_leads_to_the_value_in_python() -> None:
+    for key in KEYS:
+        if key.name != key.parameter.path:  # as gravity has no group
+            with pytest.raises(InvalidInput, match=rf"did you mean .*{key.parameter.path}\b.*\?$"):
+                APPENDIX_4.value(key.name)
 
 
 def test_every_number_is_written_with_its_symbol() -> None:
