@@ -40,7 +40,10 @@ class Limit(Status):
     explanation: str
 
     OK = 0, "ok", "no limit", "the pose can be taken", "no value"
-    NOT_FINITE = 1, "finite", "no number", "the pose is not finite", "out of reach"
+    NOT_FINITE = (
+        1, "finite", "no number", "the pose is not finite, or too large to compute with",
+        "out of reach",
+    )  # fmt: skip
     STRETCHED = (
         2, "stretch", "a stretched pantograph",
         "the pantograph is over-stretched: joints 8 and 5 are too far apart",

@@ -112,6 +112,7 @@ balance --goal heat                                 | --goal
 export                                              | nothing to write; give --glb, --mjcf
 export --glb r.glb --pose 0 0 0 -2000               | be taken: the pantograph is over-stretched
 export --glb r.glb --pose 0 0 0 nan                 | cannot be taken: the pose is not finite
+export --glb r.glb --pose 1e308 0 0 -500            | or too large to compute with
 export --glb r.glb --pose 0 0 0                     | --pose
 export --mjcf no/r.xml                              | cannot be written: its folder does not exist
 export --meshes old/deeper                          | old/deeper: cannot be written
