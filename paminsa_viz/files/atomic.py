@@ -314,6 +314,8 @@ def as_file_error(
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     if isinstance(error, FileNotFoundError) and action == "written":
         reason = "its folder does not exist"
+    elif isinstance(error, FileExistsError):  # of a folder that was to be made
+        reason = "a file has this name; a folder is needed"
     elif isinstance(error, PermissionError) and action == "written" and OPEN_FILES_STAY:
         reason += "; another program may have it open"
     return kind(name, f"cannot be {action}: {reason[:1].lower()}{reason[1:]}")

@@ -120,6 +120,7 @@ export --mjcf r.xml --glb r.glb --meshes old        | old: cannot be written
 export --glb r.glb --pose 1e300 0 0 0               | pose x 1e+300 mm, y 0 mm,
 export --glb r.glb --pose x 0 0 0                   | 4 numbers are needed, not 'x',
 export --glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600 | pose: it is singular
+code --out old                                      | old: cannot be written: a file has this name
 report                                              | --out
 report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph is over-stretched
 report --out r.html --cross                          | --cross needs --file and --max-torque
