@@ -196,6 +196,8 @@ def test_unit_is_seen_behind_the_field_and_stays_in_the_name(tab: Tab) -> None:
     until(lambda: seen(whole)[:2] == [whole, ""], whole)
     tab.page.emulate_media(color_scheme="dark")
     wait_theme(tab, "dark")
+    page, rest, hover = tab.page.evaluate(BRIGHTNESS)
+    assert page < rest < hover, "a button is seen under the pointer as well"
     assert seen("x  [mm]")[:2] == ["x", "mm"]
     assert tab.page.get_by_role("slider", name="x [mm]").count() == 1
 
@@ -218,6 +220,18 @@ def test_marks_come_and_go_with_what_they_stand_for(tab: Tab) -> None:
     assert [set((each or "").split()) for each in found] == [
         {"picture"}, set(), {"picture", "heading"}, {"picture"}, {"picture"}, set()
     ]  # fmt: skip
+
+
+BRIGHTNESS = """() => {
+  const draw = document.createElement("canvas").getContext("2d");
+  const style = getComputedStyle(document.documentElement);
+  return ["body", "gray-filled", "gray-filled-hover"].map((name) => {
+    draw.fillStyle = style.getPropertyValue(`--mantine-color-${name}`);
+    draw.fillRect(0, 0, 1, 1);
+    return draw.getImageData(0, 0, 1, 1).data.reduce((sum, part) => sum + part);
+  });
+}"""
+"""Of the page, of viser's gray buttons, and of those under the pointer."""
 
 
 def tooltip(tab: Tab, target: Any) -> dict[str, float]:
@@ -305,6 +319,14 @@ def test_layout_is_the_same_however_many_pixels_the_view_has(
     until(lambda: coarse.session.window == (1280, 700), "the window's newest size")
 
 
+REACHED = """([what, beyond]) => [...document.querySelectorAll(what)]
+  .filter((each) => each.checkVisibility()).map((each) => {
+    const { left, right, bottom } = each.getBoundingClientRect();
+    return each.contains(document.elementFromPoint(left + (right - left) / 4, bottom + beyond));
+  })"""
+"""Whether what is some pixels below each of these belongs to it."""
+
+
 def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
     open_tab: Callable[..., Tab],
 ) -> None:
@@ -316,6 +338,12 @@ def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
     )
     assert [each.bounding_box()["width"] for each in box.all()] == [390, 390]
     assert box.first.bounding_box()["height"] <= SHEET_SHARE * 844 + 1
+    touch = tab.page.context.new_cdp_session(tab.page)
+    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    tab.steady_box(tab.slider("x  [mm]"))
+    chips, tracks = ".pv-reference button[aria-pressed=false]", ".mantine-Slider-trackContainer"
+    assert tab.page.evaluate(REACHED, [chips, 3]) == [True, True]  # 18 pixels high
+    assert tab.page.evaluate(REACHED, [tracks, 7])[:2] == [True, True]  # 3 pixels high
     tab.session.open_tab("Balance")  # as the command palette, the tour and links do
     until(lambda: tab.is_open("Balance"), "the section is open")
     tab.page.get_by_role("button", name="Balance", exact=True).first.click()
