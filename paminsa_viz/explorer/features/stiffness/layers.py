@@ -9,7 +9,7 @@ import numpy as np
 
 from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.scene.forces import BAR, round_scale
+from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
 from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
 from paminsa_viz.explorer.scene.sizes import below, symbol_size
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
@@ -114,9 +114,14 @@ def compliance(frame: Frame) -> Iterator[Node]:
         "/elastic/ellipsoid", shape, ball(1.0).faces, ELLIPSOID_COLOR, place=(x, y, z), opacity=0.45
     )
     place = below((x, y, z), "compliance", size)
-    yield label("/elastic/ellipsoid_label", ellipsoid_text(scale), place)
+    yield label("/elastic/ellipsoid_label", ellipsoid_text(scale, size), place)
 
 
-def ellipsoid_text(scale: float) -> str:
-    """Return the scale of the ellipsoid: drawn length for a displacement by 100 N."""
-    return f"compliance: 100 mm = {number(1e3 * 100 * 0.1 / scale, 3)} mm by 100 N"
+def ellipsoid_text(scale: float, size: float) -> str:
+    """Return the scale of the ellipsoid: drawn length for a displacement by 100 N.
+
+    Args:
+        scale: Drawn length over the displacement by 1 N.
+        size: Of the symbols, see `symbol_size`.
+    """
+    return f"compliance: {scale_text(1e3 * 100 * BAR / scale, size, 'mm by 100 N')}"

@@ -17,6 +17,7 @@ from paminsa_viz.explorer.features.stiffness.layers import (
     LONGEST_AXIS,
     LONGEST_SWING,
     MODE_NODE,
+    ellipsoid_text,
 )
 from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
@@ -98,6 +99,8 @@ def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
     assert vertices == pytest.approx(expected[:, :3], abs=1e-6)
     text = scene.nodes["/elastic/ellipsoid_label"].text
     assert text == f"compliance: 100 mm = {1e4 / scale:.3g} mm by 100 N"
+    small = ellipsoid_text(scale, 0.01)  # whose lengths are some millimeters
+    assert small == f"compliance: 1 mm = {1e2 / scale:.3g} mm by 100 N"
     assert np.linalg.norm(vertices, axis=1).max() <= LONGEST_AXIS
 
 
