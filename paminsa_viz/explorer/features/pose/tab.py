@@ -131,7 +131,7 @@ def pose_line_html(frame: Frame) -> str:
     """Return the pose that numbers belong to, in mm and degrees."""
     x, y, theta, z = frame.state.last_reachable.pose
     # Of a design that reaches nothing the pose that is asked for is shown, out of reach as it is.
-    reached = frame.configuration.reach.margins.min() >= 0
+    reached = bool(frame.configuration.reach.ok.all())
     return render(
         "pose/line.j2", stale=frame.health is Health.UNREACHABLE, reached=reached,
         other=frame.state.last_reachable.geometry != frame.state.document.design.geometry,
