@@ -7,8 +7,8 @@ where a trial solution breaks them; a norm may go to the solver whole, as a seco
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,10 @@ class ConvexTerm(ABC):
     def at(self, state: Array) -> Array:
         """Return matrix . s + offset, (m,)."""
         return self.matrix @ state + self.offset
+
+    def over(self, unit: float) -> Self:
+        """Return the function divided by a number above 0."""
+        return replace(self, matrix=self.matrix / unit, offset=self.offset / unit)
 
     @abstractmethod
     def value(self, state: Array) -> float:

@@ -5,6 +5,7 @@ The gap between the bound and the best solution found is the certificate of the 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,9 @@ ACCEPTED = 1e-8
 
 REACHED = 1e-6
 """The same for a limit that counts as reached; the others have no price."""
+
+SMALLEST_UNIT = 1e-6
+"""Smallest unit of a goal: one that is less may be that of a robot balanced but for rounding."""
 
 
 class _Candidate(NamedTuple):
@@ -50,6 +54,21 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
         Infeasible: If no choice meets the limits.
         SolverFailed: If a solver fails.
     """
+    # the solvers' tolerances are absolute: small goals, of a small robot, in parts of what they are
+    unit = program.scale if SMALLEST_UNIT <= program.scale < 1.0 else 1.0
+    goals = tuple((weight, term.over(unit)) for weight, term in program.goals)
+    found = _solve(replace(program, goals=goals, scale=program.scale / unit), tolerance)
+    return replace(
+        found,
+        value=unit * found.value,
+        bound=unit * found.bound,
+        prices=unit * found.prices,
+        slopes=unit * found.slopes,
+        limit_prices=unit * found.limit_prices,
+    )
+
+
+def _solve(program: Program, tolerance: float) -> Solution:
     enclosure = Enclosure(program)
     best: _Candidate | None = None
     proof: Trial | None = None

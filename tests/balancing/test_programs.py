@@ -14,7 +14,7 @@ from scipy.optimize import lsq_linear
 from paminsa_viz.balancing import backends, solver
 from paminsa_viz.balancing.convex import BLOCKS, ConvexTerm, Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
-from paminsa_viz.balancing.program import Infeasible, Program, SolverFailed, Variable
+from paminsa_viz.balancing.program import Infeasible, Program, Solution, SolverFailed, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.trajectory.integrals import running_integral, time_weights
 
@@ -136,6 +136,27 @@ def test_a_limit_of_a_sum_is_of_all_its_groups_together(starts: list[int]) -> No
     assert found.value == pytest.approx(-4.0, abs=1e-7)
     np.testing.assert_allclose(found.state, [0.0, 0.5, 1.0], atol=1e-6)
     assert found.limit_prices == pytest.approx([2.0], abs=1e-5)  # of more of the second
+
+
+@pytest.mark.slow
+def test_a_small_goal_is_solved_like_a_large_one() -> None:
+    """An energy of a small robot: the solvers' own tolerances are absolute."""
+    rng, small = np.random.default_rng(1), 2.0**-18
+    matrix, offset = rng.normal(size=(300, 3)), rng.normal(size=300)
+    variables, starts = plain(np.eye(3), [0, 0, 0], [2, 2, 2]), np.arange(300)
+
+    def solved(size: float) -> Solution:
+        goal = PositivePartSum(size * matrix, size * offset, starts)
+        goals, before = ((1.0, goal),), goal.value(np.ones(3))
+        return solve(Program(np.zeros(3), variables, goals, scale=before))
+
+    large, found = solved(1.0), solved(small)
+    assert found.rounds <= 2 * large.rounds
+    assert found.gap <= 1e-9 * found.value
+    for of_small, of_large in (
+        (found.value, large.value), (found.bound, large.bound), (found.prices, large.prices)
+    ):  # fmt: skip
+        assert of_small == pytest.approx(small * of_large, rel=1e-6, abs=1e-8 * small)
 
 
 @pytest.mark.parametrize("large", [1.0, 1e6])
