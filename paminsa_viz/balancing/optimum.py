@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.balancing.changes import Changes, MassSpace, mass_space
+from paminsa_viz.balancing.enclosure import FEASIBLE
 from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import Term, deviations
@@ -274,7 +275,9 @@ def infeasible(space: MassSpace, program: Program, limits: Sequence[Term]) -> In
         except Infeasible:
             least = solve(alone).value
         short.append(Shortfall(term.label, term.unit, limit, least))
-    return InfeasibleBounds(tuple(short), movable_bounds(space, program))
+    # one that can be met is no reason beside others that cannot
+    missed = [i for i in short if i.attainable - i.limit > FEASIBLE * max(1.0, abs(i.limit))]
+    return InfeasibleBounds(tuple(missed or short), movable_bounds(space, program))
 
 
 def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]:

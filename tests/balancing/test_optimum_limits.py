@@ -171,11 +171,21 @@ def test_infeasible_limits_report_attainable_values_and_relaxations() -> None:
 
 
 def test_every_infeasible_limit_is_reported() -> None:
-    limits = [(AddedMass(), -4.0), (StaticPeak(field()), 0.0)]
+    limits = [(AddedMass(), -4.0), (TrajectoryRms(solved()), 0.5)]
     with pytest.raises(InfeasibleBounds) as caught:
         optimize(APPENDIX_4, changes(0.2), MassChange(), limits=limits)
     assert len(caught.value.limits) == 2
-    assert all(item.attainable >= item.limit for item in caught.value.limits)
+    assert all(item.attainable > item.limit for item in caught.value.limits)
+
+
+def test_a_limit_that_can_be_met_is_not_reported_beside_one_that_cannot() -> None:
+    what = Changes((MassRange("joints.j7", 0.2, 2.0),))
+    limits = [(AddedMass(), 20.0), (Imbalance(), 0.5)]
+    with pytest.raises(InfeasibleBounds, match=r"it: \|M_p2\| of at most 0.5 N") as caught:
+        optimize(APPENDIX_4, what, MassChange(), limits=limits)
+    (short,) = caught.value.limits
+    heaviest = APPENDIX_4.vary({"joints.j7": 2.0})
+    assert short.attainable == pytest.approx(abs(static_imbalance(heaviest)), rel=1e-9)
 
 
 def test_an_infeasible_limit_is_reported_with_the_other_limits_kept() -> None:
