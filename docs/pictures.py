@@ -67,6 +67,7 @@ def motion(tab: Tab) -> None:
 
 def dark(tab: Tab) -> None:
     tab.open_tab("Requirements")
+    tab.open_tab("Single map")
     tab.click("Suggested set")
     volume(tab)
 
@@ -74,6 +75,7 @@ def dark(tab: Tab) -> None:
 def requirements(tab: Tab) -> None:
     start(tab, (0.05, -0.03, 0.3))
     tab.open_tab("Requirements")
+    tab.open_tab("Single map")
     tab.click("Suggested set")
     volume(tab)
 
