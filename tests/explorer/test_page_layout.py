@@ -28,7 +28,7 @@ from paminsa_viz.explorer.features.springs import actions as springs
 from paminsa_viz.explorer.features.stiffness import tab as stiffness
 from paminsa_viz.explorer.features.synthesis import actions as synthesis
 from paminsa_viz.explorer.features.tolerances import actions as tolerances
-from paminsa_viz.explorer.features.view.tab import GROUPS as GROUPS_OF_LAYERS
+from paminsa_viz.explorer.features.view.tab import grouped_layers
 from paminsa_viz.explorer.kit.design_numbers import GROUPS
 from paminsa_viz.explorer.kit.design_numbers import label as label_of
 from paminsa_viz.explorer.kit.entries import Answer, Entry, Html, Tabs
@@ -265,11 +265,11 @@ def test_switches_of_torque_maps_do_not_cover_each_other(tab: Tab, width: int) -
 
 def test_switches_of_layers_are_below_each_other_in_two_columns(tab: Tab) -> None:
     tab.page.get_by_role("tab", name="View").click()
-    for name in list(GROUPS_OF_LAYERS)[1:]:
+    for name in list(grouped_layers())[1:]:
         title = tab.page.get_by_text(name, exact=True).locator("visible=true").last
         tab.steady_box(title)
         title.click()
-    layers = {LAYERS[key].label for keys in GROUPS_OF_LAYERS.values() for key in keys}
+    layers = {layer.label for layer in LAYERS.values()}
 
     def boxes() -> Any:
         found = tab.page.evaluate(CHECKBOXES)
