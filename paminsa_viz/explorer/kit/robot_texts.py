@@ -8,7 +8,7 @@ from paminsa_viz.explorer.core.frame import Frame, Health
 from paminsa_viz.explorer.kit.text import render
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, static_imbalance
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.model.resizing import length_ratio, plain_decimals
 from paminsa_viz.units import fixed
 
 
@@ -41,7 +41,7 @@ def millimeter_decimals(geometry: Geometry) -> int:
     A tenth of a millimeter is a small part of the prototype's lengths, and a large one of bars of
     a few millimeters.
     """
-    return 1 + max(-round(math.log10(length_ratio(geometry))), 0)
+    return plain_decimals(geometry) - 2
 
 
 def line_texts(design: Design, torques: Array) -> list[str]:
