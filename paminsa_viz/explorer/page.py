@@ -136,6 +136,8 @@ def build(
                 "restore", lambda state: tab_store.take(state, saved, opening), step=False
             )
             session.submit(announce)
+        elif session.built.is_set():  # too late: what was set meanwhile has to be kept
+            session.dispatch("hello", replace, step=False)
 
     def announce() -> None:
         if restartable(session.state):

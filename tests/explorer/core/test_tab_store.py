@@ -177,8 +177,20 @@ class Saver:
         self.paths: dict[str, str] = {"Masses": "Robot/Masses"}
         self.open_tabs: frozenset[str] | None = None
         self.bridge = SimpleNamespace(
-            save=self.saved.append, call=lambda *call: self.called.append(call)
+            save=self.saved.append, call=lambda *call: self.called.append(call), greeted=True
         )
+
+
+def test_nothing_is_written_over_what_a_tab_has_kept_before_that_was_sent() -> None:
+    session = Saver(initial_state())
+    session.bridge.greeted = False
+    store = tab_store.TabStore(cast(Any, session))
+    store.draw(cast(Any, None), False)
+    assert not session.saved
+    assert not session.called
+    session.bridge.greeted = True
+    store.draw(cast(Any, None), False)
+    assert session.saved == [tab_store.dump(session.state)]
 
 
 def test_changes_are_saved_while_the_page_is_not_idle_but_not_with_every_frame(
