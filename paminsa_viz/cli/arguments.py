@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
 from dataclasses import MISSING, fields
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, Union, get_args
 
 import tyro
 
@@ -27,8 +27,22 @@ OrNone: TypeAlias = Union[None, T]  # noqa: RUF036, UP007
 loads typeguard to compare the default, which takes as long as loading NumPy."""
 
 if TYPE_CHECKING:
+    from typing import Annotated as OneOf
+
     Words: TypeAlias = tuple[str, ...]
-else:  # that is what a bare tuple means to tyro, and of other tuples typeguard compares the default
+else:
+
+    class OneOf:
+        """A flag that is one of the words of a registry: ``OneOf[str, tuple(REGISTRY)]``.
+
+        To tyro it is a `Literal`, to a type checker, which takes no words from a variable, a str.
+        """
+
+        def __class_getitem__(cls, item: tuple[type[str], tuple[str, ...]]) -> Any:
+            _, words = item
+            return Literal[words]
+
+    # that is what a bare tuple means to tyro, and of other tuples typeguard compares the default
     Words = tuple
 """A flag of a word that can be repeated."""
 

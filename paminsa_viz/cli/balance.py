@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import Annotated, Literal
 
 import tyro
 
@@ -24,7 +24,7 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.blocks.balance import optimum_blocks, optimum_data
-from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
+from paminsa_viz.cli.arguments import OneOf, OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output, check_range
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
@@ -64,22 +64,17 @@ largest mass.
 Exit code: 0 done; 1 the bounds do not allow the goal (the line names what to relax), or the robot
 cannot run the motion; 2 a wrong argument or file."""
 
-if TYPE_CHECKING:
-    BarName: TypeAlias = str
-    GoalName: TypeAlias = str
-else:
-    BarName = Literal[PANTOGRAPH]
-    GoalName = Literal[("static", *MOTION_GOALS)]
+GOALS = ("static", *MOTION_GOALS)
 
 MassFlag = tuple[str, float, float]
-RailFlag = tuple[BarName, int, float, float, float]
+RailFlag = tuple[OneOf[str, PANTOGRAPH], int, float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
     """Flags of the command."""
 
-    goal: GoalName = "static"
+    goal: OneOf[str, GOALS] = "static"
     """What to make small. A static balance holds for both branches of the knee and any motion."""
     change: Annotated[tuple[MassFlag, ...], tyro.conf.arg(metavar="PATH LOW HIGH")] = ()
     """A mass that may change, such as links.b3, and its bounds [kg]; can be repeated."""

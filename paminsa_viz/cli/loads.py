@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.blocks.loads import motion_blocks, motion_data, pose_blocks, pose_data
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OneOf, OrNone, UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags, PresetName
 from paminsa_viz.cli.output import (
@@ -53,12 +53,6 @@ Exit code: 0 done; 1 the pose is singular, or the robot cannot run the whole mot
 argument or file, or a pose out of reach."""
 
 
-if TYPE_CHECKING:
-    BarName: TypeAlias = str
-else:
-    BarName = Literal[BARS]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
@@ -66,7 +60,7 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
     preset: OrNone[PresetName] = None
     """A ready-made motion, sized for the robot, that the loads are along; at rest without one and
     without --file."""
-    bar: OrNone[BarName] = None
+    bar: OrNone[OneOf[str, BARS]] = None
     """Write N, V and M along this bar, at rest."""
     bearings: bool = False
     """Write peak, RMS and equivalent load of every joint instead of the motion's samples."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.blocks.maps import maps_blocks, maps_data
-from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
+from paminsa_viz.cli.arguments import OneOf, OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags
 from paminsa_viz.cli.output import (
     print_blocks,
@@ -65,18 +65,14 @@ CELLS = (10, MOST_CELLS)
 BUDGET = 30.0
 """Time that the cells of costly quantities may take [s]; beyond it there are fewer."""
 
-
-if TYPE_CHECKING:
-    Choice: TypeAlias = str
-else:
-    Choice = Literal[tuple(name.replace("_", "-") for name in selections())]
+QUANTITY_WORDS = tuple(name.replace("_", "-") for name in selections())
 
 
 @dataclass(frozen=True, kw_only=True)
 class Map(FilesFlags, ComparedDesignFlags):
     """Flags of the command."""
 
-    quantity: Choice = "torques"
+    quantity: OneOf[str, QUANTITY_WORDS] = "torques"
     """What to map; torques are those of M1, M2 and M3 side by side."""
     theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 60.0
     """Angle of the platform [°]."""

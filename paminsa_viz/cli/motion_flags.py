@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import Annotated, TypeAlias
 
 import tyro
 
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OneOf, OrNone, UsageError
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.trajectory import PRESET, Trajectory
 
-if TYPE_CHECKING:
-    PresetName: TypeAlias = str
-else:
-    PresetName = Literal[tuple(PRESET)]
+PresetName: TypeAlias = OneOf[str, tuple(PRESET)]
 
 
 @dataclass(frozen=True, kw_only=True)

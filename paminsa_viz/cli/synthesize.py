@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any
 
 import tyro
 
@@ -20,7 +20,7 @@ from paminsa_viz.blocks.synthesis import (
     synthesis_blocks,
     synthesis_data,
 )
-from paminsa_viz.cli.arguments import OrNone, UsageError, Words, check_needs, command_line
+from paminsa_viz.cli.arguments import OneOf, OrNone, UsageError, Words, check_needs, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import (
@@ -147,19 +147,13 @@ def _numbered(path: Path, number: int) -> Path:
     return path.with_name(f"{path.stem}-{number}{path.suffix}")
 
 
-if TYPE_CHECKING:
-    ObjectiveName: TypeAlias = str
-else:
-    ObjectiveName = Literal[tuple(OBJECTIVES)]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Synthesize(AnswerFlags, JsonFlags):
     """Flags of the command."""
 
     case: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="CASE.toml")]
     """Case file, or a worked case: cylinder, cell, arch."""
-    objective: OrNone[ObjectiveName] = None
+    objective: OrNone[OneOf[str, tuple(OBJECTIVES)]] = None
     """What is minimized, instead of the file's; torques of motions and energy need motions."""
     seed: OrNone[int] = None
     """Seed of the search, instead of the file's."""

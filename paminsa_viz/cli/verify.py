@@ -6,12 +6,12 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import Annotated
 
 import tyro
 
 from paminsa_viz.blocks.verification import verification_blocks, verification_data
-from paminsa_viz.cli.arguments import OrNone, check_needs
+from paminsa_viz.cli.arguments import OneOf, OrNone, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
@@ -36,11 +36,6 @@ MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-if TYPE_CHECKING:
-    FormatName: TypeAlias = str
-else:
-    FormatName = Literal[tuple(FIGURE_FORMATS)]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Verify(JsonFlags, MotionFlags, DesignFlags):
@@ -56,7 +51,7 @@ class Verify(JsonFlags, MotionFlags, DesignFlags):
     """Check this exported MJCF model against the design, instead of the design's own."""
     figures: Annotated[OrNone[Path], tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
-    format: FormatName = "png"
+    format: OneOf[str, tuple(FIGURE_FORMATS)] = "png"
     """Format of the figures."""
     report: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.html")] = None
     """Also measure claims of the documentation about numbers, and write them, how each is checked,
