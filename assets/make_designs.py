@@ -30,7 +30,7 @@ RADIUS, HEIGHT, TURN = 0.1, 0.2, np.radians(30.0)
 """Workspace of the compact robot: a cylinder about the vertical [m], and theta up to [rad]."""
 MARGIN, CONDITION, APART = 0.01, 10.0, 0.005
 """Least distance to a limit of reach [m], largest condition number, least clearance [m]."""
-BARS = 0.25
+BAR_WEIGHT = 0.25
 """Weight of the bars' lengths next to the footprint's radius."""
 SEARCHED = {
     "geometry.base_radius": (0.1, 0.35),
@@ -125,7 +125,7 @@ def compact(generations: int = 50):
         lack = broken(trial, poses, spare=1.2)
         if lack > 0:
             return 10.0 + lack
-        return footprint(trial, poses) + BARS * (lengths[3] + lengths[4])
+        return footprint(trial, poses) + BAR_WEIGHT * (lengths[3] + lengths[4])
 
     found = differential_evolution(
         cost, list(SEARCHED.values()), maxiter=generations, popsize=8, rng=0, polish=False

@@ -19,7 +19,7 @@ PICTURE = Path(__file__).parent / "images" / "frames.svg"
 POSE = np.array([0.03, 0.02, 0.5, -0.55])
 """The pose drawn: turned by some 29°, so that the platform's axes are seen beside the base's."""
 
-BARS = ((8, 9), (9, 4), (4, 5), (4, 3), (3, 7), (7, 8), (3, 2))
+JOINED = ((8, 9), (9, 4), (4, 5), (4, 3), (3, 7), (7, 8), (3, 2))
 """Joints at the ends of the bars, parts of B4 and B3 each."""
 
 
@@ -67,9 +67,9 @@ def from_the_side(axes: Axes, points: Mapping[int, np.ndarray]) -> None:
         joint: np.array([(place[0, :2] - origin) @ toward, place[0, 2]])
         for joint, place in points.items()
     }
-    for first, last in BARS:
+    for first, last in JOINED:
         axes.plot(*np.stack([flat[first], flat[last]]).T, color=ACTUATOR_COLORS[0], lw=2)
-    used = sorted({joint for bar in BARS for joint in bar})
+    used = sorted({joint for bar in JOINED for joint in bar})
     for joint in used:
         axes.plot(*flat[joint], "o", color=INK, ms=4)
         axes.annotate(str(joint), place(flat[joint]), (5, 5), textcoords="offset points")

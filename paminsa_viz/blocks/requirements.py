@@ -187,7 +187,7 @@ def size_text(volume: Volume) -> str:
 
 def share_text(volume: Volume) -> str:
     """Return its share of the reachable volume."""
-    return f"{_percent(volume.utilization)} of {number(LITERS * volume.reachable_volume)} dm³"
+    return f"{_percent(volume.reachable_share)} of {number(LITERS * volume.reachable_volume)} dm³"
 
 
 def removed_texts(volume: Volume, requirement: int) -> tuple[str, str]:
@@ -274,7 +274,7 @@ def check_data(
                 volume,
                 "volume_m3",
                 "error_m3",
-                "utilization",
+                "reachable_share",
                 "home_inside",
                 "cell_m",
                 "removed_alone",

@@ -214,7 +214,8 @@ class CheckRequirements(JsonFlags, RequirementFlags):
     Over the required workspace; without one, over the volume where all hold."""
 
     volume: bool = False
-    """Solve the volume where all requirements hold: dm³, utilization, and what cuts it."""
+    """Solve the volume where all requirements hold: dm³, share of what can be reached, what cuts
+    it."""
     both_sides: bool = False
     """Heights on the other side of the guides count as well."""
     coarse: bool = False

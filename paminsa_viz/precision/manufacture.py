@@ -41,7 +41,7 @@ from paminsa_viz.precision.unequal_legs import (
 )
 from paminsa_viz.progress import Progress, go_on
 
-BARS = ("bar_94", "bar_45", "bar_43", "bar_37", "bar_87", "bar_89")
+BAR_LENGTHS = ("bar_94", "bar_45", "bar_43", "bar_37", "bar_87", "bar_89")
 """Lengths that a pin's clearance changes."""
 
 BLOCK = 2048
@@ -53,14 +53,16 @@ ROUNDING = 1e-12
 
 def tolerance_widths(tolerances: Tolerances) -> Array:
     """Return the tolerance of each length, to either side, (3, 14) [m, rad]."""
-    widths = [tolerances.bar if name in BARS else getattr(tolerances, name) for name in INDEX]
+    widths = [
+        tolerances.bar if name in BAR_LENGTHS else getattr(tolerances, name) for name in INDEX
+    ]
     return np.tile(widths, (3, 1))
 
 
 def clearance_widths(tolerances: Tolerances) -> Array:
     """Return what clearances add to each length, to either side, (3, 14) [m]."""
     widths = np.zeros(len(LENGTHS))
-    widths[[INDEX[name] for name in BARS]] = tolerances.pin_clearance / 2
+    widths[[INDEX[name] for name in BAR_LENGTHS]] = tolerances.pin_clearance / 2
     widths[INDEX["guide_height"]] = tolerances.guide_clearance / 2
     return np.tile(widths, (3, 1))
 

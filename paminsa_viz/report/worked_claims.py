@@ -28,7 +28,7 @@ from paminsa_viz.model.regressor import regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.precision.leg_lengths import INDEX, nominal_lengths
-from paminsa_viz.precision.manufacture import BARS, monte_carlo, tolerance_widths
+from paminsa_viz.precision.manufacture import BAR_LENGTHS, monte_carlo, tolerance_widths
 from paminsa_viz.precision.unequal_legs import solve_pose
 from paminsa_viz.quantities.requirement_text import parse_requirement
 from paminsa_viz.quantities.requirements import Requirements
@@ -146,7 +146,7 @@ def _sensitivities() -> tuple[Array, Array, Array]:
     )
     slope = ((one - two) / (2 * h)).T.reshape(6, *lengths.shape)[[0, 1, 3, 2, 4, 5]]
     clearance = np.zeros_like(lengths)
-    clearance[:, [INDEX[name] for name in BARS]] = APPENDIX_4.tolerances.pin_clearance / 2
+    clearance[:, [INDEX[name] for name in BAR_LENGTHS]] = APPENDIX_4.tolerances.pin_clearance / 2
     clearance[:, INDEX["guide_height"]] = APPENDIX_4.tolerances.guide_clearance / 2
     return slope, tolerance_widths(APPENDIX_4.tolerances), clearance
 

@@ -85,7 +85,7 @@ def _map_figure(data: MapData, width: float, *, half: bool) -> Figure:
 WIDTH = 9.0
 """Width of the drawing [inches]."""
 
-BARS = ((9, 5), (8, 9), (4, 7), (7, 8))
+DRAWN_BARS = ((9, 5), (8, 9), (4, 7), (7, 8))
 """Joints at the ends of the bars B4, B8, B3 and B7."""
 
 
@@ -149,7 +149,7 @@ def draw_sketch(configuration: Configuration) -> MatplotlibFigure:
 def _draw_leg(area: Axes, points: dict[int, Array], foot: Array, up: int, color: str) -> None:
     _line(area, np.array([foot, points[8]]), up, color, 1.1, "--")
     _line(area, np.array([points[3], points[2]]), up, LIFT_COLOR, 2.2)
-    for first, second in BARS:
+    for first, second in DRAWN_BARS:
         _line(area, np.array([points[first], points[second]]), up, color, 2.2)
     rings = np.array([points[number] for number in (3, 4, 5, 7, 8, 9)])
     for at, size in ((foot[None], 9), (rings, 4.5)):

@@ -301,8 +301,8 @@ def test_what_ends_a_volume_and_what_each_requirement_removes(
     )
     volume: Any = SimpleNamespace(
         cause=np.zeros((30, 20, 2)), cell=0.0123456, sampled_headings=5, empty=False,
-        home_inside=True, volume=0.0123, error=0.000456, utilization=0.25, reachable_volume=0.0492,
-        requirements=Requirements((CONDITION, TORQUE), (-0.1, 0.1)),
+        home_inside=True, volume=0.0123, error=0.000456, reachable_share=0.25,
+        reachable_volume=0.0492, requirements=Requirements((CONDITION, TORQUE), (-0.1, 0.1)),
         shares=lambda: {inside: 0.25, first: 0.5, second: 0.15, reach: math.nan},
         removed_alone=np.array([0.6, 0.3]), removed_last=np.array([0.4, math.nan]),
     )  # fmt: skip

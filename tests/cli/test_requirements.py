@@ -38,7 +38,7 @@ def test_broken_requirement_gives_exit_code_1(capsys) -> None:
 
 
 @pytest.mark.slow
-def test_volume_with_error_utilization_and_causes(capsys) -> None:
+def test_volume_with_error_share_and_causes(capsys) -> None:
     words = (*COARSE, "--require", "condition <= 10", "--volume")
     code, out, _ = run("requirements", capsys, *words)
     assert code == 0
@@ -49,7 +49,7 @@ def test_volume_with_error_utilization_and_causes(capsys) -> None:
     assert data["theta_rad"] == pytest.approx([-np.pi / 6, np.pi / 6])
     volume = data["volume"]
     assert 0.09 < volume["volume_m3"] < 0.11
-    assert volume["utilization"] == pytest.approx(volume["volume_m3"] / volume["reachable_m3"])
+    assert volume["reachable_share"] == pytest.approx(volume["volume_m3"] / volume["reachable_m3"])
     assert sum(volume["shares"].values()) == pytest.approx(1.0)
 
 

@@ -78,7 +78,7 @@ def test_every_requirement_and_reach_cut_somewhere(solved: Volume) -> None:
     assert cut >= {0, 1, 2}
     assert (solved.removed_alone > solved.removed_last).all()
     assert (solved.removed_last > 0.0).all()
-    assert 0.0 < solved.utilization < 1.0
+    assert 0.0 < solved.reachable_share < 1.0
 
 
 def test_reach_and_fold_cut_a_robot_of_unequal_bars() -> None:
@@ -202,7 +202,7 @@ def test_headings_beyond_the_singularity_leave_nothing() -> None:
     )
     assert volume.empty
     assert volume.volume == volume.error == volume.reachable_volume == 0.0
-    assert math.isnan(volume.utilization)
+    assert math.isnan(volume.reachable_share)
     words = {volume.causes[code].word for code in np.unique(volume.cause)}
     assert "singular" in words
 

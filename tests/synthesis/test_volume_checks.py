@@ -354,8 +354,8 @@ def test_shares_are_of_the_nodes_that_can_be_reached(nodes: int) -> None:
     codes, counts_ = np.unique(volume.cause[few], return_counts=True)
     shares = {volume.causes[code]: n / count for code, n in zip(codes, counts_, strict=True)}
     assert part.shares() == pytest.approx(shares)
-    assert volume.utilization == pytest.approx(volume.volume / volume.reachable_volume)
-    assert np.isnan(replace(volume, reachable_volume=0.0).utilization)
+    assert volume.reachable_share == pytest.approx(volume.volume / volume.reachable_volume)
+    assert np.isnan(replace(volume, reachable_volume=0.0).reachable_share)
 
 
 def test_a_glb_has_the_volume_upright_below_one_node() -> None:

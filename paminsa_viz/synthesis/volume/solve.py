@@ -99,7 +99,7 @@ class Volume:
         return max(len(headings(limits, self.headings)) for limits in ranges)
 
     @property
-    def utilization(self) -> float:
+    def reachable_share(self) -> float:
         """Share of the reachable volume; NaN where nothing can be reached."""
         return self.volume / self.reachable_volume if self.reachable_volume > 0 else float("nan")
 
