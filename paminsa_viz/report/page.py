@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from functools import cache, lru_cache, partial
 from importlib.resources import files
 
 from jinja2 import Template
@@ -12,12 +13,13 @@ from paminsa_viz.blocks.balance import mass_facts
 from paminsa_viz.blocks.trajectory import trajectory_facts
 from paminsa_viz.blocks.verification import verification_fact
 from paminsa_viz.checks import kinds_checked
+from paminsa_viz.engines.verification import Verification
 from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.report.design_section import design_section, provenance_section
-from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.request import ReportRequest, Section
 from paminsa_viz.report.sections import (
     accuracy_section,
     balance_section,
@@ -36,17 +38,9 @@ from paminsa_viz.report.sections import (
 )
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.templates import html_environment
-from paminsa_viz.trajectory import analyze
+from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import format_pose, symbols_html, tied
 from paminsa_viz.version import __version__
-
-STEPS = (
-    "design and workspace", "requirements", "torque maps", "forces and capability", "stiffness",
-    "accuracy", "calibration", "trajectory", "joint forces", "clearance", "identification",
-    "verification", "balance",
-)  # fmt: skip
-"""What is worked out, in this order; some only where they are asked for."""
-
 
 COLORS = {"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD}
 """Colors of a report's page."""
@@ -58,7 +52,7 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
 
     Args:
         request: What to report on.
-        progress: Called before each of `STEPS` with that ``step``; true ends the work.
+        progress: Called before each section with the ``step`` that makes it; true ends the work.
 
     Raises:
         UnreachablePose: If the robot cannot take the request's pose.
@@ -67,47 +61,14 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
         Canceled: If ``progress`` says so.
     """
 
-    def began(step: str) -> None:
-        keep_on(progress, STEPS.index(step) / len(STEPS), step=step)
-
     require_reachable(request.design.geometry, request.pose)
-    design, reference = request.design, request.reference
-    analysis = analyze(design, request.trajectory)
-    compared = None if reference is None else analyze(reference, request.trajectory)
-    began("design and workspace")
-    sections = [design_section(design, reference), workspace_section(request)]
-    if request.requirements is not None:
-        began("requirements")
-        sections.append(requirements_section(request.design, request.requirements))
-    if request.synthesis is not None:
-        sections.append(synthesis_section(request.synthesis))
-    began("torque maps")
-    sections.append(maps_section(request))
-    began("forces and capability")
-    sections.append(forces_section(request))
-    began("stiffness")
-    sections.append(stiffness_section(request))
-    began("accuracy")
-    sections.append(accuracy_section(request))
-    if request.measured is not None:
-        began("calibration")
-        sections.append(calibration_section(request.design, request.measured))
-    began("trajectory")
-    sections.append(trajectory_section(analysis, compared))
-    sections.append(drives_section(analysis))
-    began("joint forces")
-    sections.append(loads_section(analysis, request.pose))
-    began("clearance")
-    sections.append(clearance_section(analysis, request.pose))
-    if request.log is not None:
-        began("identification")
-        sections.append(identification_section(investigate(request.log, request.design)))
-    if request.verified:
-        began("verification")
-    found = checked(request)
-    sections.append(verification_section(found))
-    began("balance")
-    sections += [balance_section(analysis), provenance_section(request, found)]
+    analysis = analyze(request.design, request.trajectory)
+    verified = cache(lambda: checked(request))
+    steps, sections = list(_steps(request, analysis, verified)), list[Section]()
+    for done, (step, make) in enumerate(steps):
+        keep_on(progress, done / len(steps), step=step)
+        sections.append(make())
+    found = verified()
     return template().render(
         kind="design report",
         title=f"PAMINSA design report: {request.design.name}",
@@ -123,6 +84,42 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
         version=__version__,
         made=request.made.strftime("%Y-%m-%d %H:%M %Z"),
     )
+
+
+def _steps(
+    request: ReportRequest, motion: TrajectoryAnalysis, verified: Callable[[], Verification | str]
+) -> Iterator[tuple[str, Callable[[], Section]]]:
+    """Yield all that is asked for in its order: what is said meanwhile, and what makes a section.
+
+    Args:
+        request: What to report on.
+        motion: Its motion, analyzed.
+        verified: Compares with the engines, once, or says why not.
+    """
+    design, pose, other = request.design, request.pose, request.reference
+    compared = None if other is None else analyze(other, request.trajectory)
+    yield "design", partial(design_section, design, other)
+    yield "workspace", partial(workspace_section, request)
+    if request.requirements is not None:
+        yield "requirements", partial(requirements_section, design, request.requirements)
+    if request.synthesis is not None:
+        yield "synthesis", partial(synthesis_section, request.synthesis)
+    yield "torque maps", partial(maps_section, request)
+    yield "forces and capability", partial(forces_section, request)
+    yield "stiffness", partial(stiffness_section, request)
+    yield "accuracy", partial(accuracy_section, request)
+    if request.measured is not None:
+        yield "calibration", partial(calibration_section, design, request.measured)
+    yield "trajectory", partial(trajectory_section, motion, compared)
+    yield "drives", partial(drives_section, motion)
+    yield "joint forces", partial(loads_section, motion, pose)
+    yield "clearance", partial(clearance_section, motion, pose)
+    if request.log is not None:
+        log = request.log
+        yield "identification", lambda: identification_section(investigate(log, design))
+    yield "verification", lambda: verification_section(verified())
+    yield "balance", partial(balance_section, motion)
+    yield "provenance", lambda: provenance_section(request, verified())
 
 
 @lru_cache(maxsize=1)
