@@ -66,7 +66,7 @@ class Report(MotionFlags, PoseFlags, ComparedDesignFlags):
         trajectory = self.given_motion(design.geometry)
         if self.cross:
             limits = MotionLimits(torque=self.max_torque)
-            path = spline_path(trajectory.pose)
+            path = spline_path(trajectory.pose, design)
             trajectory = time_optimal(design, path, limits, name=trajectory.name).plan.sample()
 
         from paminsa_viz.report.request import ReportRequest

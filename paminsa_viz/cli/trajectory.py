@@ -323,9 +323,8 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Shortes
         if not flags.waypoints:
             return (read if flags.rate is None else read.resampled(flags.rate)), None
         if flags.cross:
-            found = time_optimal(
-                design, spline_path(read.pose), flags.limits, flags.duration, name=read.name
-            )
+            path = spline_path(read.pose, design)
+            found = time_optimal(design, path, flags.limits, flags.duration, name=read.name)
             return found.plan.sample(RATE if flags.rate is None else flags.rate), None
         # Notes of the table are about the motion of its rows, which this is not.
         plan = via_points(read.pose, times=read.t, name=read.name)

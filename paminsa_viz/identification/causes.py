@@ -30,12 +30,13 @@ from paminsa_viz.identification.estimate import NormalBlocks, directions, jackkn
 from paminsa_viz.identification.filtering import Signals, pieces_of
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.jacobians import inverse_jacobian_rate, jacobian
 from paminsa_viz.model.kinematics import nearest_solution
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PANTOGRAPH
 from paminsa_viz.model.regressor import torque_regressor
+from paminsa_viz.model.resizing import length_ratio
 from paminsa_viz.units import format_value, number
 
 LENGTHS = {
@@ -44,13 +45,13 @@ LENGTHS = {
     "coupler_length": ("l_B4", 2e-3),
     "crank_length": ("l_B8", 2e-3),
 }
-"""Lengths that may be wrong, with symbol and plausible error [m]."""
+"""Lengths that may be wrong, with symbol and plausible error at Appendix 4's lengths [m]."""
 
 SPRING = "upward force at joints 9 (spring)"
 """A weight compensation without inertia, which the identity of the masses shows."""
 
 STEP = 1e-5
-"""Step of differences by lengths and angles [m, rad]."""
+"""Step of differences by lengths, at Appendix 4's, and by angles [m, rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +105,11 @@ def _bars(design: Design, signals: Signals) -> list[PossibleCause]:
 
 def _zeros(geometry: Geometry, signals: Signals, b: Array, before: Array) -> list[PossibleCause]:
     """Encoders whose zero is off: the actuator is where they show, less that."""
-    found = []
+    found, size = [], length_ratio(geometry)
     for place in range(4):
-        column = (_torques(geometry, signals, b, -STEP * np.eye(4)[place]) - before) / STEP
-        unit, plausible = ("m", 5e-3) if place == 3 else ("rad", np.radians(1.0))
+        step = STEP * size if place == 3 else STEP
+        column = (_torques(geometry, signals, b, -step * np.eye(4)[place]) - before) / step
+        unit, plausible = ("m", 5e-3 * size) if place == 3 else ("rad", np.radians(1.0))
         label = f"encoder zero of M{place + 1}"
         found.append(PossibleCause(label, unit, (place + 1) % 4, float(plausible), column))
     return found
@@ -115,11 +117,12 @@ def _zeros(geometry: Geometry, signals: Signals, b: Array, before: Array) -> lis
 
 def _lengths(geometry: Geometry, signals: Signals, b: Array, before: Array) -> list[PossibleCause]:
     """Lengths that are larger than the design's."""
-    found = []
+    found, size = [], length_ratio(geometry)
+    step = STEP * size
     for name, (symbol, plausible) in LENGTHS.items():
-        longer = replace(geometry, **{name: getattr(geometry, name) + STEP})
-        column = (_torques(longer, signals, b) - before) / STEP
-        found.append(PossibleCause(f"{symbol} longer", "m", 0, plausible, column))
+        longer = replace(geometry, **{name: getattr(geometry, name) + step})
+        column = (_torques(longer, signals, b) - before) / step
+        found.append(PossibleCause(f"{symbol} longer", "m", 0, plausible * size, column))
     return found
 
 
@@ -153,18 +156,20 @@ def _actuators(identification: Identification) -> list[PossibleCause]:
 
 def _springs(design: Design, signals: Signals) -> list[PossibleCause]:
     """Springs at the actuators, and a constant force up at the joints 9."""
-    found = []
+    found, size = [], length_ratio(design.geometry)
+    force = float(base_scale(design)[1])
+    usual = force / float(base_scale(APPENDIX_4)[1])
     samples = signals.samples
     travel = signals.smooth(samples.position - samples.position.mean(axis=0))
     for place in range(4):
         column = np.zeros_like(signals.torque)
         column[:, place] = travel[:, place]
-        unit, plausible = ("N/m", 100.0) if place == 3 else ("N m/rad", 0.5)
+        unit, plausible = ("N/m", 100.0 / size) if place == 3 else ("N m/rad", 0.5 * size)
         label = f"spring at M{place + 1}"
-        found.append(PossibleCause(label, unit, (place + 1) % 4, plausible, column))
+        found.append(PossibleCause(label, unit, (place + 1) % 4, usual * plausible, column))
     motion = samples.pose, samples.velocity, samples.acceleration
     column = -signals.smooth(base_regressor(design.geometry, *motion)[..., 1])
-    found.append(PossibleCause(SPRING, "N", 0, 0.3 * float(base_scale(design)[1]), column))
+    found.append(PossibleCause(SPRING, "N", 0, 0.3 * force, column))
     return found
 
 

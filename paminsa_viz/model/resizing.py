@@ -154,6 +154,16 @@ def plain_decimals(geometry: Geometry) -> int:
     return max(3, 3 - round(math.log10(length_ratio(geometry))))
 
 
+TURN_LENGTH = 0.1
+"""What a turn of 1 rad counts as where turns and lengths are compared, at Appendix 4's lengths
+[m]."""
+
+
+def turn_length(geometry: Geometry) -> float:
+    """Return what a turn of 1 rad counts as where turns and lengths are compared [m]."""
+    return TURN_LENGTH * length_ratio(geometry)
+
+
 def _span(geometry: Geometry) -> float:
     return geometry.crank_length + geometry.coupler_length
 

@@ -26,13 +26,14 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import MARGINS, Limit, check_reach
+from paminsa_viz.model.resizing import radius_ratio
 
 DEXTERITY = backend.Formula(measures.dexterity, 2)
 """The determinant of the rows (w_k, p_k x w_k) [m] and the condition number of J."""
 
 
 NEAR_LOCUS = 1e-6
-"""How far from a type-2 singular pose `escape_twist` is still defined [m]."""
+"""How far from a type-2 singular pose `escape_twist` is still defined, at Appendix 4's R_b [m]."""
 
 
 @of_geometry
@@ -82,7 +83,8 @@ def escape_twist(geometry: Geometry, pose: ArrayLike) -> Array:
     pose = as_vectors(pose, "pose")
     with np.errstate(invalid="ignore"):
         circle, turn = type2_distances(geometry, pose)
-        near = (np.abs(circle) <= NEAR_LOCUS) | (np.abs(turn) <= NEAR_LOCUS)
+        most = NEAR_LOCUS * radius_ratio(geometry)
+        near = (np.abs(circle) <= most) | (np.abs(turn) <= most)
     return np.where(near[..., None], twist_field(geometry, pose), np.nan)
 
 

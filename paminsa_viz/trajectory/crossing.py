@@ -26,6 +26,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import platform_wrench
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
+from paminsa_viz.model.resizing import radius_ratio
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.paths import Path
 from paminsa_viz.trajectory.sampled import Locus
@@ -34,7 +35,8 @@ NODES = 4001
 """Points of a path at which its distance to the loci is looked at first."""
 
 ON_LOCUS = 1e-9
-"""Distance below which a pose counts as on a locus [m]; a turn is the path of the joints 5."""
+"""Distance below which a pose counts as on a locus, at Appendix 4's R_b [m]; a turn is the path of
+the joints 5."""
 
 SLOPE = 1e-6
 """Change of the distance along the whole path, in proportion, below which a crossing is tangent."""
@@ -132,6 +134,7 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
 
     s = np.linspace(0.0, 1.0, NODES)
     found: list[tuple[float, Locus, bool]] = []
+    near = ON_LOCUS * radius_ratio(geometry)
     all_distances = locus_distances(geometry, path(s))
     for locus in Locus:
 
@@ -139,7 +142,7 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
             return float(locus_distances(geometry, path(np.array([at])))[0, column])
 
         d = all_distances[:, locus.value]
-        on = np.abs(d) <= ON_LOCUS
+        on = np.abs(d) <= near
         along = np.flatnonzero(on[:-1] & on[1:])
         if along.size:
             raise PathOnLocus(float(s[along[0]]), locus)
@@ -156,7 +159,7 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
                 lambda at: abs(distance(at)), bounds=(s[i - 1], s[i + 1]), method="bounded",
                 options={"xatol": 1e-12},
             )  # fmt: skip
-            if low.fun <= ON_LOCUS:
+            if low.fun <= near:
                 found.append((float(low.x), locus, False))
     found.sort(key=lambda item: item[0])
     return tuple(_crossing(geometry, path, *item, found) for item in found)
@@ -194,7 +197,8 @@ def locus_distances(geometry: Geometry, pose: Array) -> Array:
     x, y, theta, _ = pose.T
     cos = np.cos(theta)
     radius = np.hypot(rb - rp * cos, rp * np.sin(theta))
-    circle = (radius**2 - x**2 - y**2) / (2 * np.maximum(radius, ON_LOCUS))
+    least = ON_LOCUS * radius_ratio(geometry)
+    circle = (radius**2 - x**2 - y**2) / (2 * np.maximum(radius, least))
     if rp >= rb:
         return np.stack([circle, np.full_like(circle, rb + rp)], axis=1)
     turn = rp * (rb * cos - rp) / np.sqrt(rb**2 - rp**2)

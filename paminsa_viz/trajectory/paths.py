@@ -12,15 +12,16 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors, own_vectors
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.resizing import TURN_LENGTH
 from paminsa_viz.trajectory.plan import Spline, UnitCurve
-from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
+from paminsa_viz.trajectory.planners import shared_time
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
 
 _GAUSS = leggauss(8)
 
-_METRIC = np.array([1.0, 1.0, TURN_LENGTH**2, 1.0])
 _CELLS = 16  # polynomials of the length run between two breaks, at least
 _ROUGH = 1e-11  # share of the largest speed by which a polynomial may be off before it is halved
 _HALVINGS = 16  # of polynomials where a motion nearly stands still
@@ -64,8 +65,12 @@ def straight_path(start: ArrayLike, goal: ArrayLike) -> StraightPath:
     return StraightPath(begin, end)
 
 
-def spline_path(poses: ArrayLike) -> Path:
+def spline_path(poses: ArrayLike, geometry: Geometry | Design | None = None) -> Path:
     """Return the quintic spline through poses (n, 4), n >= 2, s by the root of their distances.
+
+    Args:
+        poses: The poses [m, m, rad, m].
+        geometry: The robot, of whose size a turn counts as a length; Appendix 4's without one.
 
     Raises:
         InvalidInput: If neighbors are the same or a number is not finite.
@@ -73,7 +78,7 @@ def spline_path(poses: ArrayLike) -> Path:
     waypoints = as_vectors(poses, "poses")
     if waypoints.ndim != 2 or len(waypoints) < 2 or not np.isfinite(waypoints).all():
         raise InvalidInput("poses", "at least two finite poses (n, 4) are needed")
-    s = shared_time(waypoints)
+    s = shared_time(waypoints, geometry)
     if len(s) == 2:
         return straight_path(*waypoints)
     return Spline.through(waypoints, s, (3, 4))
@@ -192,14 +197,20 @@ class TimedPath:
 class TracedPath:
     """The path of a motion without its time law: poses by the share s of the length run.
 
-    A turn counts as a length by `TURN_LENGTH`. Where the motion stops on its way, the path may have
-    a corner; derivatives there are those right after it.
+    A turn counts as a length, `turn_length`. Where the motion stops on its way, the path may have a
+    corner; derivatives there are those right after it.
 
     Attributes:
         curve: The motion in unit time.
+        turn_length: What a turn of 1 rad counts as [m].
     """
 
     curve: UnitCurve
+    turn_length: float = TURN_LENGTH
+
+    @cached_property
+    def _metric(self) -> Array:
+        return np.array([1.0, 1.0, self.turn_length**2, 1.0])
 
     @cached_property
     def _run(self) -> PPoly:
@@ -245,7 +256,7 @@ class TracedPath:
         return self._speed(at.ravel()).reshape(at.shape)
 
     def _speed(self, u: Array) -> Array:
-        return np.sqrt(self.curve(u, 1) ** 2 @ _METRIC)
+        return np.sqrt(self.curve(u, 1) ** 2 @ self._metric)
 
     @cached_property
     def length(self) -> float:
@@ -318,13 +329,13 @@ class TracedPath:
         begin, end = self.rests[i], self.rests[i + 1]
         u = np.clip(u, begin + _OFF_REST * (end - begin), end - _OFF_REST * (end - begin))
         rate = [self.curve(u, n) for n in range(1, order + 1)]
-        v = np.sqrt(rate[0] ** 2 @ _METRIC)[:, None]
+        v = np.sqrt(rate[0] ** 2 @ self._metric)[:, None]
         value = first = rate[0] / v
         if order > 1:
-            growth = (rate[0] * rate[1]) @ _METRIC[:, None] / v
+            growth = (rate[0] * rate[1]) @ self._metric[:, None] / v
             value = second = (rate[1] - first * growth) / v**2
             if order > 2:
-                bend = (rate[1] ** 2 + rate[0] * rate[2]) @ _METRIC[:, None]
+                bend = (rate[1] ** 2 + rate[0] * rate[2]) @ self._metric[:, None]
                 third = (bend - growth**2) / v
                 value = (rate[2] - first * third - 3.0 * second * v * growth) / v**3
         return (value * self.length**order).reshape(*s.shape, 4)

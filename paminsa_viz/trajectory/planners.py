@@ -13,16 +13,16 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.checks import kinds_checked, require_at_least, require_positive
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arguments import geometry_of
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.resizing import TURN_LENGTH, turn_length
 from paminsa_viz.trajectory.plan import Arc, Blend, Chain, Displacement, Plan, Spline
 from paminsa_viz.trajectory.sampled import Passage
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 PLACE = [0, 1, 3]
 """Columns of a pose that are lengths."""
-
-TURN_LENGTH = 0.1
-"""Lever by which rotations count as lengths where time is shared between waypoints [m/rad]."""
 
 PLANES = {"xy": (0, 1), "xz": (0, 3), "yz": (1, 3)}
 """Columns of a pose along which a circle may lie."""
@@ -180,6 +180,7 @@ def via_points(
     *,
     times: ArrayLike | None = None,
     name: str = "waypoints",
+    geometry: Geometry | Design | None = None,
 ) -> Plan:
     """Return a motion through waypoints whose velocity, acceleration and jerk are continuous.
 
@@ -191,6 +192,7 @@ def via_points(
         times: (n,) when each is passed, in any unit. By default each stretch gets time by the
             square root of its length, the first and the last a little more.
         name: Its name.
+        geometry: The robot, of whose size a turn counts as a length; Appendix 4's without one.
 
     Raises:
         InvalidInput: If there are fewer than two poses, two neighbors are the same, or times do
@@ -201,7 +203,7 @@ def via_points(
         raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {waypoints.shape}")
     waypoints = _finite(waypoints, "poses", waypoints.shape)
     if times is None:
-        ends = shared_time(waypoints)
+        ends = shared_time(waypoints, geometry)
     else:
         given = _finite(as_numbers(times, "times"), "times", (len(waypoints),))
         if not (np.diff(given) > 0).all():
@@ -249,14 +251,17 @@ def round_trip(plan: Plan) -> Plan:
     return Plan(curve, 2 * plan.duration, name, plan.kind, plan.notes, passages)
 
 
-def shared_time(waypoints: Array) -> Array:
+def shared_time(waypoints: Array, geometry: Geometry | Design | None = None) -> Array:
     """Return instants in [0, 1] for waypoints (n, 4), by the roots of their distances.
+
+    A turn counts as a length by `model.resizing.turn_length` of a robot, Appendix 4's for None.
 
     Raises:
         InvalidInput: If two waypoints in a row are the same.
     """
     steps = np.diff(waypoints, axis=0)
-    length = np.hypot(np.linalg.norm(steps[:, PLACE], axis=1), TURN_LENGTH * steps[:, 2])
+    turn = TURN_LENGTH if geometry is None else turn_length(geometry_of(geometry))
+    length = np.hypot(np.linalg.norm(steps[:, PLACE], axis=1), turn * steps[:, 2])
     if not length.all():
         number = int(np.argmin(length)) + 1
         raise InvalidInput("poses", f"waypoints {number} and {number + 1} are the same")

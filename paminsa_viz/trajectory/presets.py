@@ -127,7 +127,7 @@ _WAYPOINTS = (
 
 def _waypoints(geometry: Geometry) -> Plan:
     frame = PresetFrame(geometry)
-    return via_points([frame.pose(*waypoint) for waypoint in _WAYPOINTS], 4.0)
+    return via_points([frame.pose(*waypoint) for waypoint in _WAYPOINTS], 4.0, geometry=geometry)
 
 
 PRESETS: tuple[Preset, ...] = (

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.resizing import turn_length
 from paminsa_viz.trajectory.durations import limit_of, needed_durations
 from paminsa_viz.trajectory.law_program import LawProgram
 from paminsa_viz.trajectory.limits import LIMITED, UNITS, MotionLimits
@@ -117,11 +118,11 @@ def shortest_motion(
         note = "limits of speeds alone leave its acceleration free: its own law is stretched"
     if note:
         return ShortestMotion(**vars(own), stretched=own.plan.duration, note=note)
-    path = TracedPath(own.plan.curve)
+    robot = APPENDIX_4 if design is None else design  # without one, no limit looks at it
+    path = TracedPath(own.plan.curve, turn_length(robot.geometry))
     knots, bends = law_knots(path)
     rests = tuple(path.place(path.rests).tolist())
     unit = own.plan.duration
-    robot = APPENDIX_4 if design is None else design  # without one, no limit looks at it
     program = LawProgram(path, knots, bends, limits, robot, unit, drives=drives)
     z, before = program.solve(path.law), np.inf
     curve = TimedPath(path, BSpline(z.t, z.c / unit**2, z.k), rests)

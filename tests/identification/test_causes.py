@@ -39,10 +39,17 @@ from paminsa_viz.identification.columns import base_scale
 from paminsa_viz.identification.identify import filtered
 from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import Identity
-from paminsa_viz.model import APPENDIX_4, Friction
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Friction,
+    inverse_dynamics,
+    inverse_jacobian,
+    inverse_kinematics,
+)
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.support.documentation import missing
 from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
+from tests.support.samples import enlarged, random_states
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
 QUICK = IdentificationSettings(robustness=False)
@@ -177,6 +184,51 @@ def test_causes_are_about_the_leg_and_in_the_unit_that_their_labels_say() -> Non
         assert cause.unit == next(unit for word, unit in units.items() if word in cause.label)
         assert cause.plausible > 0
     assert len({cause.label for cause in causes}) == len(causes) == 12 + 4 + 1 + 4 + 4 + 4 + 1
+
+
+def made_up(size: float) -> Any:
+    """States of a robot so many times as large, in its gravity's own time, as if identified."""
+    design, root = enlarged(APPENDIX_4, size), np.sqrt(size)
+    scale = np.array([size, size, 1.0, size])
+    drives = np.array([1.0, 1.0, 1.0, size])
+    pose, rate, growth = random_states(np.random.default_rng(3), APPENDIX_4, 20)
+    pose, rate, growth = pose * scale, rate * scale / root, growth * scale / size
+    torque = inverse_dynamics(design, pose, rate, growth).torque
+    samples = SimpleNamespace(
+        pose=pose, velocity=rate, acceleration=growth,
+        position=inverse_kinematics(design.geometry, pose).actuators,
+        speed=np.einsum("nij,nj->ni", inverse_jacobian(design.geometry, pose), rate),
+        growth=np.random.default_rng(4).normal(size=(20, 4)) * drives / size,
+    )  # fmt: skip
+    return SimpleNamespace(
+        design=design,
+        predicted=torque,
+        settings=SimpleNamespace(legs=False, delay=True),
+        estimates=[
+            SimpleNamespace(symbol=symbol, value=value)
+            for symbol, value in zip(BASE_SYMBOLS, base_parameters(design), strict=True)
+        ],
+        signals=SimpleNamespace(
+            samples=samples, pose=pose, velocity=rate, acceleration=growth, torque=torque,
+            smooth=lambda values: values,
+        ),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [0.01, 10.0])
+def test_causes_of_a_larger_robot_are_larger_by_the_laws_of_their_units(size: float) -> None:
+    """Lengths grow with the size, weights with its cube, torques with its fourth power."""
+    units = {"": 0, "rad": 0, "m": 1, "N": 3, "N/m": 2, "N m/rad": 4}
+    torques = size ** np.array([4.0, 4.0, 4.0, 3.0])
+    for own, other in zip(
+        possible_causes(made_up(size)), possible_causes(made_up(1.0)), strict=True
+    ):
+        times = size ** units[own.unit]
+        assert own.label == other.label
+        assert own.plausible == pytest.approx(times * other.plausible), own.label
+        expected = other.column * torques / times
+        most = 1e-6 * np.abs(expected).max(axis=0)
+        assert (np.abs(own.column - expected) <= most).all(), own.label
 
 
 @pytest.mark.slow

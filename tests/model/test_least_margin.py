@@ -18,9 +18,11 @@ from paminsa_viz.model import (
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.measures import least_margin, leg_margins, serial_margin
+from paminsa_viz.model.resizing import radius_ratio
 from paminsa_viz.model.robot import AXIS_X, AXIS_Y
 from paminsa_viz.model.singularity import NEAR_LOCUS
 from tests.support.cases import Case, cases
+from tests.support.samples import enlarged
 
 
 @given(case=cases())
@@ -97,22 +99,25 @@ def test_no_actuator_feels_the_escape_twist(case: Case) -> None:
     assert (twist[:, 3] == 0.0).all()
     felt = np.einsum("nij,nj->ni", rows, twist)
     assert np.abs(felt).max() < 1e-10 * np.abs(rows).max() * np.abs(twist).max()
-    for off, there in ((0.5 * NEAR_LOCUS, True), (2.0 * NEAR_LOCUS, False)):
+    limit = NEAR_LOCUS * radius_ratio(g)
+    for off, there in ((0.5 * limit, True), (2.0 * limit, False)):
         moved = pose[1::2].copy()
         moved[:, :2] *= 1.0 + off / radius[1::2, None]
-        near = np.abs(g.platform_radius * (turn - np.abs(moved[:, 2]))) <= 2.0 * NEAR_LOCUS
+        near = np.abs(g.platform_radius * (turn - np.abs(moved[:, 2]))) <= 2.0 * limit
         known = np.isfinite(escape_twist(g, moved)).all(axis=1)
         assert (known | near == there | near).all()
     assert np.isnan(escape_twist(g, [0.0, 0.0, 0.3 * (turn if np.isfinite(turn) else 1), 0])).all()
 
 
 def test_a_turn_counts_as_the_path_of_the_joints_on_the_platform() -> None:
-    """Of which one of a micrometer is near."""
-    g = APPENDIX_4.geometry
-    turn, size = singular_rotation(g), 1e-6 / g.platform_radius
-    for share, there in ((0.95, True), (1.05, False)):
-        for sign in (-1.0, 1.0):
-            found = escape_twist(g, [0.01, 0.02, sign * (turn - share * size), -0.5])
-            assert np.isfinite(found).all() == there
+    """Of which one of a micrometer is near, of a robot of other size in proportion."""
+    for times in (1.0, 0.01, 10.0):
+        g = enlarged(APPENDIX_4, times).geometry
+        turn, size = singular_rotation(g), times * 1e-6 / g.platform_radius
+        for share, there in ((0.95, True), (1.05, False)):
+            for sign in (-1.0, 1.0):
+                heading = sign * (turn - share * size)
+                found = escape_twist(g, [0.01 * times, 0.02 * times, heading, -0.5 * times])
+                assert np.isfinite(found).all() == there
     with pytest.raises(ValueError, match="pose"):
         escape_twist(g, [0.0, 0.0, 0.0])

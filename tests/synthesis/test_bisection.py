@@ -13,11 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.resizing import TURN_LENGTH
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
 from paminsa_viz.synthesis.proof import bisection
 from paminsa_viz.synthesis.proof.bisection import (
     SMALLEST,
-    TURN_LENGTH,
     Control,
     Gauge,
     Nearest,

@@ -19,6 +19,7 @@ from paminsa_viz.trajectory.crossing import (
     locus_distances,
 )
 from paminsa_viz.trajectory.paths import straight_path
+from tests.support.samples import enlarged
 
 GEOMETRY = APPENDIX_4.geometry
 RADIUS = float(singular_radius(GEOMETRY, 0.3))
@@ -126,10 +127,14 @@ def test_an_end_is_tangent_by_its_slope_whatever_the_bend(
     assert (found.s, found.kind) == (0.0, kind)
 
 
-def touching(share: float, length: float, beside: float) -> tuple[Crossing, ...]:
-    """What a line meets beside the tangent of the circle that it touches at a share of the way."""
-    ends = [[RADIUS + beside, (at - share) * length, 0.3, -0.5] for at in (0.0, 1.0)]
-    return crossings(GEOMETRY, straight_path(*ends))
+def touching(share: float, length: float, beside: float, size: float = 1.0) -> tuple[Crossing, ...]:
+    """What a line meets beside the tangent of the circle that it touches at a share of the way.
+
+    Lengths are of a robot so many times as large.
+    """
+    scale = np.array([size, size, 1.0, size])
+    ends = [[RADIUS + beside, (at - share) * length, 0.3, -0.5] * scale for at in (0.0, 1.0)]
+    return crossings(enlarged(APPENDIX_4, size).geometry, straight_path(*ends))
 
 
 @pytest.mark.parametrize("share", [0.500125, 0.1234, 0.5, 1.3 / 4000, 1.0 - 1.3 / 4000])
@@ -139,8 +144,10 @@ def test_long_lines_touch_the_circle_between_places_looked_at_and_at_them(share:
         assert touched.kind is CrossingKind.TANGENT
         assert touched.s == pytest.approx(share, abs=1e-7)
         assert touched.pose == pytest.approx((RADIUS, 0.0, 0.3, -0.5), abs=1e-6)
-        assert len(touching(share, length, 0.97e-9)) == 1  # a nanometer counts as on it
-        assert touching(share, length, 1.03e-9) == ()
+    for length, size in ((1.0, 1.0), (2.0, 1.0), (1.0, 0.01), (1.0, 10.0)):
+        # a nanometer counts as on it, at Appendix 4's size
+        assert len(touching(share, length, 0.97e-9, size)) == 1
+        assert touching(share, length, 1.03e-9, size) == ()
 
 
 @pytest.mark.parametrize("half", [0.4, 0.8, 0.95])

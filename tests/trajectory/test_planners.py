@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
+from paminsa_viz.model.resizing import TURN_LENGTH
 from paminsa_viz.trajectory import (
     PRESET,
     MotionLimits,
@@ -33,9 +34,9 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory.paths import spline_path, straight_path
 from paminsa_viz.trajectory.plan import Blend, Displacement
-from paminsa_viz.trajectory.planners import TURN_LENGTH, shared_time
+from paminsa_viz.trajectory.planners import shared_time
 from paminsa_viz.trajectory.sampled import Locus, Passage
-from tests.support.samples import with_knee
+from tests.support.samples import enlarged, with_knee
 from tests.trajectory.plans import ALL_PRESETS, LAWS, PLANS, A, B, C, inside, place, preset_plan
 
 lengths = st.floats(-0.3, 0.3)
@@ -261,9 +262,9 @@ def test_presets_run_on_robots_of_other_sizes(preset, knee, scale) -> None:
     check = check_path(geometry, plan.sample())
     assert check.possible
     assert check.closest.margin > 0.05 * scale * APPENDIX_4.geometry.base_radius
-    ends = np.array([0.0, 1.0])
-    unscaled = preset.build(with_knee(APPENDIX_4.geometry, knee)).curve(ends)
-    np.testing.assert_allclose(plan.curve(ends), unscaled * [scale, scale, 1, scale], atol=1e-12)
+    u = np.linspace(0.0, 1.0, 8)
+    unscaled = preset.build(with_knee(APPENDIX_4.geometry, knee)).curve(u)
+    np.testing.assert_allclose(plan.curve(u), unscaled * [scale, scale, 1, scale], atol=1e-12)
 
 
 @pytest.mark.parametrize("knee", KneeBranch)
@@ -387,6 +388,18 @@ def test_waypoints_share_the_time_by_the_roots_of_their_distances_and_ends_take_
         found = shared_time(np.concatenate([np.zeros((1, 4)), np.cumsum(ways[order], axis=0)]))
         np.testing.assert_allclose(np.diff(found), share / share.sum(), rtol=1e-12)
         assert (found[0], found[-1]) == (0.0, 1.0)
+
+
+def test_a_turn_counts_as_a_length_of_the_robots_own_size() -> None:
+    poses = np.array([A, B, np.add(A, [0.05, 0.0, 0.4, 0.01])])
+    for size in (0.01, 10.0):
+        robot, scale = enlarged(APPENDIX_4, size), np.array([size, size, 1.0, size])
+        for own, other in (
+            (via_points(poses * scale, geometry=robot).curve, via_points(poses).curve),
+            (spline_path(poses * scale, robot), spline_path(poses)),
+        ):
+            u = np.linspace(0.0, 1.0, 9)
+            np.testing.assert_allclose(own(u), other(u) * scale, atol=1e-12 * size)
 
 
 def test_a_round_trip_passes_loci_at_instants_that_mirror_each_other() -> None:

@@ -11,9 +11,9 @@ from scipy.interpolate import BSpline
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.resizing import TURN_LENGTH
 from paminsa_viz.trajectory import chain, circle, paths, point_to_point, via_points
 from paminsa_viz.trajectory.paths import (
-    TURN_LENGTH,
     TimedPath,
     TracedPath,
     spline_path,

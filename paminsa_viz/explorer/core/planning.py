@@ -161,7 +161,7 @@ def make_plan(motion: Motion, geometry: Geometry) -> Plan:
     if motion.kind is Kind.WAYPOINTS:
         if len(motion.waypoints) < 2:
             raise InvalidInput("waypoints", "two or more are needed; move the robot and add them")
-        return via_points(np.reshape(motion.waypoints, (-1, 4)), duration)
+        return via_points(np.reshape(motion.waypoints, (-1, 4)), duration, geometry=geometry)
     plan = PRESET[motion.preset].build(geometry)
     return plan.lasting(duration) if motion.timing is Timing.GIVEN else plan
 
@@ -174,7 +174,7 @@ def plan_through(motion: Motion, design: Design) -> DeformedPlan:
     """
     start, goal = (np.array(pose) for pose in ends(motion, design.geometry))
     if motion.kind is Kind.WAYPOINTS:
-        path = spline_path(np.reshape(motion.waypoints, (-1, 4)))
+        path = spline_path(np.reshape(motion.waypoints, (-1, 4)), design.geometry)
     else:
         if motion.kind is Kind.LINE:
             goal[2] = start[2]

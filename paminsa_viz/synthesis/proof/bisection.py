@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.resizing import length_ratio
+from paminsa_viz.model.resizing import turn_length
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.proof.families import SLACK, BoundGroup, Symmetry, symmetry
@@ -30,10 +30,6 @@ SMALLEST = 1e-9
 
 MOST_BOXES = 20_000_000
 """Boxes that may wait; beyond them the search ends as if its time was over."""
-
-TURN_LENGTH = 0.1
-"""What a turn of 1 rad counts as when a box is cut along its longest side, at Appendix 4's lengths
-[m]."""
 
 _ROUND = 1e-13
 """Rounding of a gauge, as a share of it."""
@@ -202,7 +198,7 @@ def nearest_violation(
     pool = _Pool(gauge, *start)
     first, pose, broken, lower = control.boxes, None, -1, np.inf
     end = control.elapsed + time_limit
-    turn = TURN_LENGTH * length_ratio(group.design.geometry)
+    turn = turn_length(group.design.geometry)
     proven: list[tuple[Array, Array]] = []
     spare = group.sizes * (SLACK if same.any else 0.0)
     while len(pool.gauge):
