@@ -31,7 +31,7 @@ class _Search:
 
     def compiled(self) -> Any:
         """Return the compiled search, and wait for it; without Numba the plain one."""
-        with self.lock:
+        with backend.loading, self.lock:
             if self.function is None:
                 found = _compile() if backend.can_compile() else search.least_distances
                 self.function = found

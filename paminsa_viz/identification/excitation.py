@@ -6,7 +6,6 @@ friction and offsets, that is the smallest volume of their joint confidence regi
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,6 +29,7 @@ from paminsa_viz.identification.information import (
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import WorkClock
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.model.dynamics import inverse_dynamics
@@ -130,7 +130,7 @@ def optimize_excitation(
         InvalidInput: If a setting is not possible.
     """
     settings = settings or ExcitationSettings()
-    begin = time.monotonic()
+    clock = WorkClock()
     center = preset_center(design.geometry)
     family = MultiSineFamily(settings.harmonics, center, amplitudes(design))
     info = Information(design, limits, family, settings.period, settings.samples)
@@ -138,14 +138,14 @@ def optimize_excitation(
 
     def more() -> bool:
         nonlocal stopped
-        done = (time.monotonic() - begin) / max(settings.seconds, 1e-9)
+        done = clock.elapsed / max(settings.seconds, 1e-9)
         stopped = stopped or bool(progress(min(done, 1.0)))
         return not stopped and done < RANDOM_SHARE
 
     starts = random_motions(info, settings.random, settings.seed, more)
     info.noise = NOISE_SHARE * np.mean(info.torque_rms(starts[:CHUNK]), axis=0)
     worth = in_chunks(info.log_det, starts)
-    search = Search(info, settings, begin, progress)
+    search = Search(info, settings, clock, progress)
     search.over = search.over or stopped
     first = int(np.argmax(worth))
     search.best, search.best_value = starts[first], float(worth[first])
@@ -161,7 +161,7 @@ def optimize_excitation(
         plan=plan, settings=settings, limits=kept_limits(design, limits, plan, settings),
         parameters=info.rank, log_det=float(fine.log_det(variables)),
         random_log_det=float(fine.log_det(shrunk(fine, starts[first]))), random=len(starts),
-        evaluations=search.evaluations, seconds=time.monotonic() - begin,
+        evaluations=search.evaluations, seconds=clock.elapsed,
     )  # fmt: skip
 
 

@@ -7,7 +7,6 @@ workspace. What is left of the budget goes to motions near the best one.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.identification.information import LIMITED, Evaluation, Information
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import WorkClock
 from paminsa_viz.progress import Canceled, Progress, keep_on
 from paminsa_viz.units import rounded_to_side
 
@@ -82,7 +82,7 @@ class ExcitationSettings:
         samples: Samples of a period at which information and limits are looked at.
         evaluations: Most evaluations of a motion with derivatives, of some 15 ms each; the search
             is reproducible where they end it and all random motions are drawn.
-        seconds: Most time [s]; random motions are drawn in `RANDOM_SHARE` of it.
+        seconds: Most time, without that of compiling [s]; random motions are drawn in `RANDOM_SHARE` of it.
         random: Most random motions that it starts with.
         seed: Of the random motions.
 
@@ -198,9 +198,9 @@ class Search:
     """The improvement of motions within a budget."""
 
     def __init__(
-        self, info: Information, settings: ExcitationSettings, begin: float, progress: Progress
+        self, info: Information, settings: ExcitationSettings, clock: WorkClock, progress: Progress
     ) -> None:
-        self._info, self._settings, self._begin, self._progress = info, settings, begin, progress
+        self._info, self._settings, self._clock, self._progress = info, settings, clock, progress
         self.evaluations, self.over = 0, settings.evaluations == 0
         self.best: Array = np.zeros(info.family.size)
         self.best_value = -np.inf
@@ -289,9 +289,8 @@ class Search:
             Canceled: If none is left, the time is up, or the search is canceled.
         """
         settings = self._settings
-        spent = time.monotonic() - self._begin
-        shares = spent / max(settings.seconds, 1e-9), self.evaluations / settings.evaluations
-        done = max(shares)
+        spent = self._clock.elapsed / max(settings.seconds, 1e-9)
+        done = max(spent, self.evaluations / settings.evaluations)
         if self.evaluations % EVALUATIONS_A_REPORT == 0:
             keep_on(self._progress, min(done, 1.0))
         if done >= 1.0:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -49,6 +50,46 @@ _REGRESSOR_WORTH = 20
 """Poses that a state of the regressor counts as: on NumPy it takes about as long."""
 
 
+class _Loading(threading.local):
+    """Context in which kernels are compiled or loaded: how long each thread has waited there [s].
+
+    Attributes:
+        seconds: That time, so far.
+    """
+
+    def __init__(self) -> None:
+        self.seconds, self._depth, self._since = 0.0, 0, 0.0
+
+    def __enter__(self) -> None:
+        if self._depth == 0:
+            self._since = time.perf_counter()
+        self._depth += 1
+
+    def __exit__(self, *_: object) -> None:
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += time.perf_counter() - self._since
+
+
+loading = _Loading()
+
+
+class WorkClock:
+    """Time of work in one thread, which a limit counts: that of loading kernels is none of it.
+
+    Compiling takes many seconds, once after installing, and more on a busy machine; with it work
+    would end undecided at the first run, and decided at the second.
+    """
+
+    def __init__(self) -> None:
+        self._start, self._loaded = time.perf_counter(), loading.seconds
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the start, without that in which the thread waited for kernels [s]."""
+        return time.perf_counter() - self._start - (loading.seconds - self._loaded)
+
+
 class _Kernels:
     """The compiled kernels: those of motions, and of each formula, loaded once that pays."""
 
@@ -85,7 +126,8 @@ class _Kernels:
     def compiler(self) -> ModuleType | None:
         """Return what compiles; without Numba None, and from then on all runs on NumPy."""
         try:
-            return import_whole("paminsa_viz.model.compiled")
+            with loading:
+                return import_whole("paminsa_viz.model.compiled")
         except (ModuleNotFoundError, OSError) as error:  # of LLVM, which the system cannot load
             if isinstance(error, ModuleNotFoundError) and error.name != "numba":
                 raise
@@ -93,7 +135,7 @@ class _Kernels:
             return None
 
     def load(self, *formulas: Formula, motions: bool = True) -> None:
-        with self.lock:
+        with loading, self.lock:
             compiled = self.compiler()
             if compiled is None:
                 return

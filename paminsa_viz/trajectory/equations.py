@@ -80,7 +80,7 @@ _loading = Lock()
 
 def load_kernel() -> None:
     """Compile the equations of motion, or load them from disk, and wait for it."""
-    with _loading:
+    with backend.loading, _loading:
         _compiled()
 
 

@@ -6,6 +6,7 @@ import contextlib
 import time
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -38,6 +39,7 @@ from paminsa_viz.identification.information import (
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import Friction, backend
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import WorkClock
 from paminsa_viz.model.reach import workspace_height
 from paminsa_viz.progress import Canceled, go_on
 from paminsa_viz.trajectory import preset_center
@@ -81,7 +83,7 @@ def test_search_can_be_stopped_and_reports() -> None:
 def test_a_stage_brings_back_the_best_allowed_motion_and_its_worth() -> None:
     info = information(samples=64)
     start = 0.05 * some_motion(info)
-    search = Search(info, ExcitationSettings(period=PERIOD, random=1), time.monotonic(), go_on)
+    search = Search(info, ExcitationSettings(period=PERIOD, random=1), WorkClock(), go_on)
     assert not info.sharp  # of a step there is no slope
     worth, best = search._improve(start, 20.0, 3)
     assert worth > info.evaluate(start, 20.0).value + 1.0
@@ -100,7 +102,7 @@ def test_the_last_motion_of_a_stage_counts_even_beyond_the_limits(
     info = information(ROBOT)
     start = 0.5 * random_motions(info, 3, 1)[0]
     settings = ExcitationSettings(period=PERIOD, evaluations=evaluations, seconds=1e4)
-    search = Search(info, settings, time.monotonic(), go_on)
+    search = Search(info, settings, WorkClock(), go_on)
     with contextlib.suppress(Canceled):
         search._improve(start, 20.0, 10)
     assert search.best_value == pytest.approx(float(info.log_det(search.best)))
@@ -114,7 +116,7 @@ def test_a_stage_that_leaves_the_workspace_is_tried_again_within_a_quarter(
     """Down to 0.02 at least; each stage begins as if no step had been outside."""
     info = information(samples=64)
     start, seen = some_motion(info), []
-    search = Search(info, ExcitationSettings(period=PERIOD, random=1), time.monotonic(), go_on)
+    search = Search(info, ExcitationSettings(period=PERIOD, random=1), WorkClock(), go_on)
 
     def minimize(function, x, bounds, **others) -> None:
         seen.append((search._last, search._outside, search._value))
@@ -283,12 +285,17 @@ def test_a_search_without_time_has_spent_all_of_it() -> None:
     assert found.evaluations == 0
 
 
+def clock_at(spent: float) -> WorkClock:
+    """Return a clock at which so much of the time is spent [s], and which stands still."""
+    return cast("WorkClock", SimpleNamespace(elapsed=spent))
+
+
 def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
     info = information(samples=64)
     start = 0.05 * some_motion(info)
 
-    def evaluations(settings: ExcitationSettings, begin: float = 0.0) -> int:
-        search = Search(info, settings, time.monotonic() - begin, go_on)
+    def evaluations(settings: ExcitationSettings, spent: float = 0.0) -> int:
+        search = Search(info, settings, clock_at(spent), go_on)
         search.run(np.array([start]))
         assert search.over
         return search.evaluations
@@ -296,17 +303,17 @@ def test_nothing_goes_on_when_no_evaluation_or_no_time_is_left() -> None:
     few = ExcitationSettings(period=PERIOD, evaluations=7, random=1)
     assert evaluations(few) == 7
     assert evaluations(replace(few, evaluations=0)) == 0
-    assert evaluations(replace(few, seconds=5.0), begin=5.1) == 0
+    assert evaluations(replace(few, seconds=5.0), spent=5.1) == 0
 
 
 def test_a_search_says_every_four_evaluations_how_much_of_its_budget_is_spent() -> None:
     """Of evaluations or of the time, of which more is spent; and begins with no motion at all."""
     info = information(samples=64)
 
-    def shares(seconds: float, begin: float = 0.0) -> list[float]:
+    def shares(seconds: float, spent: float = 0.0) -> list[float]:
         found: list[float] = []
         settings = ExcitationSettings(period=PERIOD, evaluations=10, seconds=seconds, random=1)
-        search = Search(info, settings, time.monotonic() - begin, lambda done: found.append(done))
+        search = Search(info, settings, clock_at(spent), lambda done: found.append(done))
         assert not search.best.any()
         assert search.best_value == -np.inf
         with contextlib.suppress(Canceled):
@@ -315,8 +322,8 @@ def test_a_search_says_every_four_evaluations_how_much_of_its_budget_is_spent() 
         return found
 
     assert shares(1e5) == pytest.approx([0.0, 0.4, 0.8], abs=1e-6)
-    assert shares(1e4, begin=6e3)[:2] == pytest.approx([0.6, 0.6], abs=1e-3)
-    assert shares(5.0, begin=6.0) == [1.0]
+    assert shares(1e4, spent=6e3)[:2] == pytest.approx([0.6, 0.6], abs=1e-3)
+    assert shares(5.0, spent=6.0) == [1.0]
 
 
 def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
@@ -341,7 +348,7 @@ def test_stages_go_on_with_the_best_motions_of_those_before() -> None:
 
     starts = np.zeros((GROUP + 4, info.family.size))
     starts[:, 0] = [0.0, 1.0, 2.0, 3.0, 2.5, 3.5, 0.5, 0.2]  # the best come last
-    search = Scripted(info, settings, time.monotonic(), go_on)
+    search = Scripted(info, settings, WorkClock(), go_on)
     search.run(starts)
     assert search.over
     drawn = np.random.default_rng(5)
@@ -373,7 +380,7 @@ def test_steps_out_of_the_workspace_are_worse_than_the_last_one_inside_and_end_a
         return Evaluation(value, np.ones(11), np.array([1.0, 2.0]), np.ones((11, 2)), worst)
 
     outside = Evaluation(-np.inf, -np.ones(11), np.zeros(2), np.zeros((11, 2)), -np.inf)
-    search = Search(Scripted(), ExcitationSettings(), time.monotonic(), go_on)  # type: ignore[arg-type]
+    search = Search(Scripted(), ExcitationSettings(), WorkClock(), go_on)  # type: ignore[arg-type]
     places = iter(np.arange(-1.0, 100.0))
 
     def step(answer: Evaluation):

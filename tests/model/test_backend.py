@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from hypothesis import strategies as st
 
 import paminsa_viz.model as model
 from paminsa_viz import quantities
+from paminsa_viz.clearance import kernels as clearance_kernels
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -32,6 +35,8 @@ from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import term_factors
 from paminsa_viz.model.measures import least_margin
 from paminsa_viz.model.robot import where
+from paminsa_viz.synthesis.proof.bisection import Control
+from paminsa_viz.trajectory import equations
 from tests.support.cases import BY_HAND, PROTOTYPES, Case, cases
 
 Call = Callable[[Design, Any, Any, Any], list[Any]]
@@ -364,6 +369,50 @@ def test_what_needs_no_kernels_of_motions_does_not_wait_for_them(
         assert backend._kernels.get_loops(many, 1) is None
         assert not backend.compiles()
     assert backend._kernels.get_loops(many, 1) == ("grid", "list")
+
+
+def test_a_clock_of_work_stands_still_while_its_thread_waits_for_kernels(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Or a limit of time would end a proof undecided at the first run after installing."""
+    now = 100.0
+
+    def compiling(*_: object) -> tuple[str, str]:
+        nonlocal now
+        now += 20.0
+        return "grid", "list"
+
+    monkeypatch.setenv("PAMINSA_VIZ_BACKEND", "")
+    monkeypatch.setattr(backend, "time", SimpleNamespace(perf_counter=lambda: now))
+    monkeypatch.setattr(backend, "_kernels", backend._Kernels())  # as at the start
+    monkeypatch.setattr(clearance_kernels, "_search", clearance_kernels._Search())
+    for module, name in (
+        (compiled, "warm_up"),
+        (compiled, "over_poses"),
+        (clearance_kernels, "_compile"),
+        (equations, "_compiled"),
+    ):
+        monkeypatch.setattr(module, name, compiling)
+    formula = backend.Formula(ratio_of_lengths, 1)
+    clock, control = backend.WorkClock(), Control(15.0)
+    now += 3.0
+    for load in (
+        lambda: backend._kernels.get_loops(formula, backend.WORTH_LOADING),
+        lambda: backend._kernels.get(backend.WORTH_LOADING),
+        clearance_kernels._search.compiled,
+        equations.load_kernel,
+    ):
+        before = now
+        load()
+        assert now == before + 20.0
+        assert clock.elapsed == control.elapsed == 3.0
+        assert backend.WorkClock().elapsed == 0.0
+    assert not control.over
+    thread = threading.Thread(target=equations.load_kernel)  # nobody here waits for what it does
+    thread.start()
+    thread.join()
+    assert clock.elapsed == 23.0
+    assert control.over
 
 
 IN_A_NEW_PROCESS = """

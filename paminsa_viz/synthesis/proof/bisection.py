@@ -9,13 +9,13 @@ say from where on one does.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import WorkClock
 from paminsa_viz.model.resizing import turn_length
 from paminsa_viz.progress import Progress, go_on
 from paminsa_viz.quantities.requirements import WorkspaceShape
@@ -77,7 +77,7 @@ class Control:
     """
 
     def __init__(self, time_limit: float, progress: Progress = go_on) -> None:
-        self._start = time.perf_counter()
+        self._clock = WorkClock()
         self._limit = time_limit
         self._progress = progress
         self._stopped = False
@@ -85,8 +85,8 @@ class Control:
 
     @property
     def elapsed(self) -> float:
-        """Time since the start [s]."""
-        return time.perf_counter() - self._start
+        """Time since the start, without that of compiling [s]."""
+        return self._clock.elapsed
 
     @property
     def left(self) -> float:

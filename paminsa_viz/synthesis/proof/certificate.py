@@ -55,7 +55,8 @@ def prove(
         design: The robot.
         requirements: What has to hold.
         workspace: The positions, with a center; None for that of the requirements.
-        time_limit: When to stop and answer that it is undecided [s].
+        time_limit: When to stop and answer that it is undecided, without the time that compiling
+            takes [s].
         progress: Is told what part of the time is over, and may end it.
 
     Raises:

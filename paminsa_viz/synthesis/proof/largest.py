@@ -285,7 +285,8 @@ def largest_workspace(
         tolerance: Difference of extents, of what is proven (or, where there is no proof, of what
             no sample breaks) to where a pose breaks a requirement, at which to stop [m]. None for
             `TOLERANCE` in proportion to crank plus coupler.
-        time_limit: When to stop at the latest [s]; the gap then is what it is.
+        time_limit: When to stop at the latest, without the time that compiling takes [s]; the gap
+            then is what it is.
         both_sides: Whether an open height may be on the other side of the guides than home.
         progress: Is told what part of the time is over, and may end it.
 
