@@ -82,7 +82,8 @@ class ExcitationSettings:
         samples: Samples of a period at which information and limits are looked at.
         evaluations: Most evaluations of a motion with derivatives, of some 15 ms each; the search
             is reproducible where they end it and all random motions are drawn.
-        seconds: Most time, without that of compiling [s]; random motions are drawn in `RANDOM_SHARE` of it.
+        seconds: Most time, without that of compiling [s]; random motions are drawn in
+            `RANDOM_SHARE` of it.
         random: Most random motions that it starts with.
         seed: Of the random motions.
 
