@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.map_values import MapData
@@ -115,6 +114,8 @@ def label_places(
     Returns:
         Points (x, y) on the lines [m], at most `LABELS` a level.
     """
+    from scipy.spatial import KDTree  # late: a page that starts and tables of maps have no numbers
+
     taken = [boundary(data), singular_circle(data), data.pose[None, :2]]
     places: list[tuple[float, float]] = []
     for level in sorted(found, key=abs):

@@ -195,13 +195,15 @@ def test_a_reader_that_goes_away_causes_no_traceback() -> None:
 
 
 @pytest.mark.slow
-def test_small_commands_do_not_load_what_takes_a_while() -> None:
+def test_small_commands_and_a_page_that_starts_do_not_load_what_takes_a_while() -> None:
     at = "'--pose', '50', '-30', '20', '-550'"
     code = (
         "import sys; from paminsa_viz.cli import main; main(['design', 'default']);"
         f"main(['stiffness', {at}]); assert 'typeguard' not in sys.modules;"
         f"[main([word, {at}]) for word in ('accuracy', 'loads')];"
         "print([name for name in ('viser', 'plotly', 'matplotlib', 'trimesh', 'numba', 'scipy')"
+        " if name in sys.modules], file=sys.stderr); import paminsa_viz.explorer.page;"
+        "print([name for name in ('plotly', 'matplotlib', 'trimesh', 'numba', 'scipy')"
         " if name in sys.modules], file=sys.stderr)"
     )
-    assert run_process("-c", code).stderr == "[]\n"
+    assert run_process("-c", code).stderr == "[]\n[]\n"
