@@ -62,14 +62,11 @@ def time_weights(t: Array) -> Array:
 
     Those of `running_integral`, at least 0.
     """
-    weights = np.empty(len(t))
-    # a step's parabolas reach four samples, so samples six apart can share a run
-    for first in range(6):
-        comb = np.zeros(len(t))
-        comb[first::6] = 1.0
-        total = running_integral(t, comb)
-        for i in range(first, len(t), 6):
-            weights[i] = total[min(i + 2, len(t) - 1)] - total[max(i - 3, 0)]
+    sample = np.arange(len(t))
+    run = sample % 6  # a step's parabolas reach four samples, so samples six apart can share a run
+    total = running_integral(t, np.eye(6)[run])
+    end, begin = np.minimum(sample + 2, len(t) - 1), np.maximum(sample - 3, 0)
+    weights = total[end, run] - total[begin, run]
     return np.maximum(weights, 0.0)  # against rounding
 
 
