@@ -176,7 +176,7 @@ class Drive(Group, path="drive", limits=(1e-12, 1e9)):
         its torque at rest to a corner.
         """
         (_, first), *rest = self.corners
-        if math.isinf(self.corners[-1][0]):
+        if math.isinf(first) or math.isinf(self.corners[-1][0]):
             return ((first, 0.0),)
         falls = [(t0 - t1) / (s1 - s0) for (s0, t0), (s1, t1) in pairwise(self.corners)]
         if all(b >= a - ROUNDING * abs(a) for a, b in pairwise(falls)):

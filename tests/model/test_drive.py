@@ -237,6 +237,7 @@ def test_a_drive_says_its_ratio_its_screw_and_whether_it_holds() -> None:
     assert Drive(gear_ratio=3.5).summary == "3.5:1"
     assert Drive().lines == ((math.inf, 0.0),)
     assert Drive(peak_torque=2.0).lines == ((2.0, 0.0),)
+    assert Drive(top_speed=9.0).lines == ((math.inf, 0.0),)
     assert not SCREW.holds
     assert replace(SCREW, brake=True).holds
     assert replace(SCREW, lead_efficiency=0.3).holds

@@ -310,6 +310,9 @@ def test_drives_are_left_out_where_there_are_none_or_on_request() -> None:
     assert shortest_stretch(plan, limits, driven(Drive(), AXIS), drives=False).plan.duration > 0
     unlimited = replace(APPENDIX_4, drives=(Drive(), None, None, None))
     assert shortest_stretch(plan, limits, unlimited).plan.duration == bare.plan.duration
+    fast = replace(APPENDIX_4, drives=(Drive(gear_ratio=50.0, top_speed=40.0), None, None, None))
+    found = shortest_stretch(plan, limits, fast)
+    assert (found.quantity, found.limit) == ("motor speed of M1", 40.0)
     alone = shortest_stretch(plan, MotionLimits(), driven(SERVO))
     assert "is reached at" in alone.explanation or "rad/s" in alone.explanation
 
