@@ -332,10 +332,12 @@ class LawProgram:
                     least = np.where(
                         sign * now >= 0, np.min(shares, axis=0), np.max(shares, axis=0)
                     )
+                    # of the smaller share, concave in the load, the tangent at the law before is
+                    # above; at a stop the gear takes none, which is more than while it is driven
+                    driven = np.where(resting, 1.0, least)
                     for share in shares:
-                        # the larger one limits a motor that drives, or starts: both of them do; of
-                        # the smaller, concave in the load, the tangent at the law before is above
-                        chosen = np.where((np.sign(speed[:, j]) == sign) | resting, share, least)
+                        # the larger one limits a motor that drives: both of them do
+                        chosen = np.where(np.sign(speed[:, j]) == sign, share, driven)
                         row = [
                             sign * (chosen * part + counted * mine) / limit
                             for part, mine in zip(factors, own, strict=True)

@@ -19,9 +19,17 @@ from paminsa_viz.model import (
     actuator_acceleration,
     actuator_velocity,
     inverse_dynamics,
+    static_torques,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
-from paminsa_viz.trajectory import MotionLimits, chain, circle, point_to_point, via_points
+from paminsa_viz.trajectory import (
+    MotionLimits,
+    chain,
+    circle,
+    point_to_point,
+    shortest_stretch,
+    via_points,
+)
 from paminsa_viz.trajectory.law_program import LawProgram, Terms, _strictest
 from paminsa_viz.trajectory.paths import TracedPath
 from paminsa_viz.trajectory.shortest import law_knots
@@ -72,13 +80,13 @@ def motor_share(
     j: int,
     drive: Drive,
     s: Any,
-    start: bool = False,
+    stop: bool = False,
     path: TracedPath = PATH,
     quick: float = 1.0,
 ) -> Any:
     """Largest share of a drive's speed, envelope and gear that the law uses, (n,).
 
-    A motor that starts has to make the larger torque, whether it drives or is driven.
+    Beside a stop the motor has to make that at rest as well, of which the gear takes nothing.
     """
     pose, velocity, acceleration = states(s, path, quick)
     speed = actuator_velocity(design, pose, velocity)[:, j]
@@ -88,8 +96,8 @@ def motor_share(
     eta, n = drive.total_efficiency, drive.ratio
     own = n * (drive.inertia * growth + drive.viscous * speed) + drive.coulomb * np.sign(speed)
     torques = [np.where(load * speed > 0, load / eta, load * eta) / n + own]
-    if start:
-        torques = [load / eta / n + own, load * eta / n + own]
+    if stop:
+        torques.append(load / n + own)
     shares = [(speed / drive.output_limits.speed) ** 2]
     shares += [
         (np.abs(torque) + k * n * np.abs(speed)) / a for a, k in drive.lines for torque in torques
@@ -251,7 +259,7 @@ def test_splines_of_the_program_rest_at_the_ends_and_have_their_own_slopes() -> 
 
 
 @pytest.mark.parametrize("path", [PATH, STOPPING], ids=["one piece", "stops"])
-def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven(
+def test_beside_a_stop_a_motor_rests_as_well_and_elsewhere_it_drives_or_is_driven(
     path: TracedPath,
 ) -> None:
     design = driven(SERVO)
@@ -261,18 +269,36 @@ def test_beside_a_stop_a_motor_starts_and_elsewhere_it_drives_or_is_driven(
     near = made.points[np.abs(made.points[:, None] - stops).min(axis=1) < 1e-7]
     assert len(near) == 2 * len(stops) - 2
     differs = 0
-    for s, start in ((near, True), (np.array([3e-5, 1.0 - 3e-5]), False)):
+    for s, stop in ((near, True), (np.array([3e-5, 1.0 - 3e-5]), False)):
         found = summed(made._terms(s, *law(s)), s).max(axis=1)
         expected, other = (
             np.max(
                 [motor_share(design, j, drive, s, how, path) for j, drive in enumerate(drives)],
                 axis=0,
             )
-            for how in (start, not start)
+            for how in (stop, not stop)
         )
         np.testing.assert_allclose(found, expected, rtol=1e-6)
         differs += int((np.abs(expected / other - 1.0) > 0.01).sum())
     assert differs > 1
+
+
+def test_a_motion_down_may_end_where_its_motor_holds_but_cannot_lift() -> None:
+    """The motion's own law, which keeps the limits, is one that the program knows."""
+    hold = static_torques(APPENDIX_4, C)[3]
+    weak = Drive(
+        gear_ratio=1.0, efficiency=0.6, transmission="screw", lead=0.01,
+        peak_torque=hold * 0.01 / (2 * np.pi) / 0.8,
+    )  # fmt: skip
+    down = point_to_point(C, C - [0.0, 0.0, 0.0, 0.05])
+    design = replace(APPENDIX_4, drives=(None, None, None, weak))
+    own = shortest_stretch(down, MotionLimits(acceleration=0.5), design).plan
+    path = TracedPath(own.curve)
+    made = LawProgram(path, *law_knots(path), MotionLimits(), design, own.duration)
+    z, dz = (part[:, None] for part in path.law(made.points))
+    terms = made._terms(made.points, z[:, 0], dz[:, 0])
+    used = terms.growth * dz + terms.square * z + terms.rate * np.sqrt(z) + terms.constant
+    assert 0.7 < used.max() <= 1.0 + 1e-6
 
 
 def test_time_is_counted_exactly_for_cubics_of_a_piece() -> None:
