@@ -76,12 +76,12 @@ def choose_scales(
     if spans_zero and not data.signed and not (data.values < 0).any():
         asked = replace(asked, low=0.0)  # colors of impossible values would dull the others
     found = (data if asked.full else sample or data).values
-    factor = data.display.factor
+    factor, one = data.display.factor, 1.0
     if math.log10(factor).is_integer():  # what is round in SI units is round as displayed
-        factor = 1.0
+        factor, one = 1.0, 1.0 / factor
     if asked.shared or data.panels == 1:
-        return (_scale(found, data.signed, asked, factor),) * data.panels
-    return tuple(_scale(values, data.signed, asked, factor) for values in found)
+        return (_scale(found, data.signed, asked, factor, one),) * data.panels
+    return tuple(_scale(values, data.signed, asked, factor, one) for values in found)
 
 
 def per_panel(data: MapData, scale: Scale | Sequence[Scale]) -> tuple[Scale, ...]:
@@ -97,7 +97,7 @@ def per_panel(data: MapData, scale: Scale | Sequence[Scale]) -> tuple[Scale, ...
     return tuple(scale)
 
 
-def robust_range(values: ArrayLike, signed: bool) -> tuple[float, float]:
+def robust_range(values: ArrayLike, signed: bool, one: float = 1.0) -> tuple[float, float]:
     """Return a round range of the ordinary values, whatever grows without bound beyond its ends.
 
     Near a singularity torques grow like one over the distance, so no percentile near 100 is safe:
@@ -105,7 +105,8 @@ def robust_range(values: ArrayLike, signed: bool) -> tuple[float, float]:
     lower part of the values, and holds them all where they have no such tail.
     Signed quantities get a range symmetric about zero of four times the 40th percentile of their
     size; magnitudes four times as far from their low end as the 40th percentile is. Values below
-    `NEGLIGIBLE` count as zero; where there is nothing else, the range is (-1, 1) or (0, 1).
+    `NEGLIGIBLE` count as zero; where there is nothing else, the range is (-one, one) or (0, one):
+    one of the unit that is displayed.
     """
     array = np.asarray(values, dtype=np.float64)
     finite = array[np.isfinite(array)]
@@ -113,20 +114,20 @@ def robust_range(values: ArrayLike, signed: bool) -> tuple[float, float]:
         size = np.abs(finite)
         size = size[size > NEGLIGIBLE]
         if size.size == 0:
-            return -1.0, 1.0
+            return -one, one
         ordinary = 4 * float(np.percentile(size, 40.0))
         most = _high_end(size, 0.0)
         # Rounded up if the range is to hold the data, to the nearest where it cannot anyway.
         limit = ticks.nice_limit(min(ordinary, most), nearest=ordinary < most)
         return -limit, limit
     if finite.size == 0:
-        return 0.0, 1.0
+        return 0.0, one
     least, lower, middle, upper = (float(v) for v in np.percentile(finite, [2.0, 40.0, 50.0, 60.0]))
     least = min(least, -_high_end(-finite, -middle))
     most = _high_end(finite, middle)
     high = min(least + 4 * (lower - least), most) if lower - least > NEGLIGIBLE else most
     low = max(most - 4 * (most - upper), least) if most - upper > NEGLIGIBLE else least
-    return _rounded(low, high, middle)
+    return _rounded(low, high, middle, one)
 
 
 def full_range(values: ArrayLike, signed: bool) -> tuple[float, float] | None:
@@ -160,11 +161,11 @@ def _high_end(values: NDArray[np.float64], base: float) -> float:
     return largest if largest - base <= 1.25 * (most - base) else most
 
 
-def _rounded(low: float, high: float, middle: float) -> tuple[float, float]:
+def _rounded(low: float, high: float, middle: float, one: float) -> tuple[float, float]:
     """Widen a range to round ends, to zero where that is near, to something where it is empty."""
     if high - low <= NEGLIGIBLE + 1e-9 * max(abs(low), abs(high)):
         if abs(middle) <= NEGLIGIBLE:
-            return 0.0, 1.0
+            return 0.0, one
         low, high = middle - abs(middle) / 10, middle + abs(middle) / 10
     if 0 < low < high / 4:
         low = 0.0
@@ -177,7 +178,9 @@ def _rounded(low: float, high: float, middle: float) -> tuple[float, float]:
     )
 
 
-def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice, factor: float) -> Scale:
+def _scale(
+    values: NDArray[np.float64], signed: bool, choice: ScaleChoice, factor: float, one: float
+) -> Scale:
     values = factor * values  # ends are round as displayed
     full = full_range(values, signed) if choice.full else None
     if choice.low is not None and choice.high is not None:
@@ -185,7 +188,7 @@ def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice, facto
     elif full is not None:
         low, high = full
     else:
-        low, high = robust_range(values, signed)
+        low, high = robust_range(values, signed, one)
         if choice.kind == "symlog":  # a log has room for the explosion, so show most of it
             low, high = _wide_range(values, low, high)
     threshold = float(f"1e{math.floor(math.log10(max(abs(low), abs(high)))) - 2}")

@@ -19,8 +19,8 @@ def _transmission(leg: int) -> Quantity:
     return Quantity(
         f"transmission_{leg + 1}", f"TI{'₁₂₃'[leg]}", f"transmission index of leg {leg + 1}",
         f"Output transmission index of leg {leg + 1} (Wang, Wu and Liu 2010)", "1", TRANSMISSION,
-        lambda field, _: reached(field, TRANSMISSION)[leg], color=LEG_COLORS[leg], cost=3e-7,
-        flat=True,
+        lambda field, _: reached(field, TRANSMISSION)[leg], bounded=True, color=LEG_COLORS[leg],
+        cost=3e-7, flat=True,
     )  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def _pressure(leg: int) -> Quantity:
         f"pressure_{leg + 1}", f"pressure{'₁₂₃'[leg]}", f"pressure angle of leg {leg + 1}",
         f"Angle between force and motion of joint 5 of leg {leg + 1}", "rad", TRANSMISSION,
         lambda field, _: np.arccos(np.minimum(reached(field, TRANSMISSION)[leg], 1.0)),
-        color=LEG_COLORS[leg], cost=3e-7, flat=True,
+        bounded=True, color=LEG_COLORS[leg], cost=3e-7, flat=True,
     )  # fmt: skip
 
 
@@ -44,7 +44,7 @@ def _selective(axis: int) -> Quantity:
     return Quantity(
         f"selective_{name.replace('θ', 'theta')}", f"DSI {name}", f"directional index of {name}",
         f"Direction-selective index of {name}: {load} for unit torques (Boschetti et al. 2011)",
-        unit, WRENCH_TORQUES, value, cost=3e-7, flat=True,
+        unit, WRENCH_TORQUES, value, bounded=axis == 2, cost=3e-7, flat=True,
     )  # fmt: skip
 
 
@@ -66,8 +66,8 @@ KINEMATICS = in_family(
     Quantity(
         "transmission", "TI", "transmission index",
         "Least transmission index of the three legs (Wang, Wu and Liu 2010)", "1",
-        TRANSMISSION, lambda field, _: reached(field, TRANSMISSION).min(axis=0), cost=3e-7,
-        flat=True,
+        TRANSMISSION, lambda field, _: reached(field, TRANSMISSION).min(axis=0), bounded=True,
+        cost=3e-7, flat=True,
     ),
     *(_transmission(leg) for leg in range(3)),
     *(_pressure(leg) for leg in range(3)),
@@ -83,6 +83,6 @@ KINEMATICS = in_family(
     Quantity(
         "conditioning", "LCI", "local conditioning index",
         "Local conditioning index 1/κ, with R_pl as characteristic length", "1", DEXTERITY,
-        lambda field, _: 1 / reached(field, DEXTERITY)[1], cost=3e-7, flat=True,
+        lambda field, _: 1 / reached(field, DEXTERITY)[1], bounded=True, cost=3e-7, flat=True,
     ),
 )  # fmt: skip

@@ -250,6 +250,30 @@ def test_scales_are_counted() -> None:
         per_panel(data, [scale] * 2)
 
 
+@pytest.mark.parametrize(
+    ("quantity", "one"), [("deviation_x", 1e-6), ("deviation_horizontal", 1e-6), ("tau_1", 1.0)]
+)
+def test_zeros_have_the_colors_of_one_displayed_unit(quantity: str, one: float) -> None:
+    still = APPENDIX_4.vary({"gravity": 0.0})
+    (scale,) = choose_scales(real(21, quantities=(quantity,), design=still))
+    assert (scale.low, scale.high) in ((0.0, one), (-one, one))
+
+
+def test_what_grows_at_no_singularity_lies_within_its_colors() -> None:
+    """It is largest about the center, where people work, and may be zero over half a map."""
+    for theta, keys in (
+        (-0.6, ("conditioning", "selective_theta", "horizontal_force", "moment")),
+        (-0.6, ("acceleration", "turn_acceleration")),
+        (-1.3, ("transmission_1",)),
+    ):
+        for key in keys:
+            data = real(31, theta, -0.55, quantities=(key,))
+            (scale,) = choose_scales(data)
+            most = np.nanmax(data.values)
+            assert scale.low <= np.nanmin(data.values), key
+            assert most <= scale.high < 1.3 * most, key
+
+
 @pytest.mark.slow
 def test_bounded_quantities_show_all_their_values() -> None:
     """A frequency is zero at a singularity and largest at the center, where people work."""
