@@ -215,9 +215,14 @@ class Drive(Group, path="drive", limits=(1e-12, 1e9)):
 
     @property
     def summary(self) -> str:
-        """Name and ratio in a line, for tables: ``"motor 100 W, gear, 100:1"``."""
+        """Name and ratio in a line, for tables: ``"motor 100 W, gear, 100:1"``.
+
+        A ratio that is part of the name, as gears in a catalog have it, is not said again.
+        """
         parts = [self.name] if self.name else []
-        parts.append(f"{self.gear_ratio:g}:1")
+        ratio = f"{self.gear_ratio:g}:1"
+        if ratio not in self.name.replace(",", " ").split():
+            parts.append(ratio)
         if self.lead is not None:
             parts.append(f"{self.transmission} {format_ascii(self.lead, 'm')}")
         return ", ".join(parts)

@@ -235,6 +235,12 @@ def test_a_drive_says_its_ratio_its_screw_and_whether_it_holds() -> None:
     assert ROTARY.summary == "motor, gear, 100:1"
     assert SCREW.summary == "axis, 2:1, screw 10 mm"
     assert Drive(gear_ratio=3.5).summary == "3.5:1"
+
+
+def test_a_ratio_that_a_name_has_is_not_said_twice() -> None:
+    assert Drive(name="servo, gear 80:1", gear_ratio=80.0).summary == "servo, gear 80:1"
+    assert Drive(name="gear 80:1, sealed", gear_ratio=80.0).summary == "gear 80:1, sealed"
+    assert Drive(name="gear 80:1", gear_ratio=8.0).summary == "gear 80:1, 8:1"
     assert Drive().lines == ((math.inf, 0.0),)
     assert Drive(peak_torque=2.0).lines == ((2.0, 0.0),)
     assert Drive(top_speed=9.0).lines == ((math.inf, 0.0),)
