@@ -93,7 +93,8 @@ class MapsPanel:
             view.draw(frame, dragging)
 
     def _fit(self) -> None:
-        """Take the width for a window that is known only now, or that a saved state has."""
+        """Take the size for a window that is known only now, or that a saved state has."""
+        self.motion.fit(self._session.window[1])
         width, folded = left_dock(self._session.state, self._session.window)
         self._panel.set_width(width)
         if folded != self._folded:

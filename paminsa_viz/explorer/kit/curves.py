@@ -36,18 +36,23 @@ class MotionChart:
         gui: The tab's GUI.
         container: What it is put into, a handle that can be entered.
         order: Its place there.
-        window_height: Height of the browser's window [px]; two charts take what is free of it.
 
     Attributes:
         handle: viser's handle, or None before the first curve.
         shape: What the handle was made for, or None.
     """
 
-    def __init__(self, gui: Any, container: Any, order: float, window_height: float) -> None:
+    def __init__(self, gui: Any, container: Any, order: float) -> None:
         self._gui, self._container, self._order = gui, container, order
-        self._height = int(min(max((window_height - OTHERS) / 2, LOWEST), HIGHEST))
+        self._height = LOWEST
         self.handle: Any = None
         self.shape: ChartShape | None = None
+
+    def fit(self, window_height: float) -> None:
+        """Take half of what is free of a window's height [px]."""
+        self._height = int(min(max((window_height - OTHERS) / 2, LOWEST), HIGHEST))
+        if self.handle is not None:
+            self.handle.height = self._height
 
     def draw(self, chart: Chart | None, theme: Theme) -> None:
         """Show a chart, or nothing."""
@@ -96,7 +101,7 @@ class MotionCharts:
         """
         gui = session.client.gui
         place = gui.add_folder(None)
-        self._places = tuple(MotionChart(gui, place, order, LOWEST) for order in (0.0, 1.0))
+        self._places = tuple(MotionChart(gui, place, order) for order in (0.0, 1.0))
         self._shown, self._charts = shown, charts
         self._drawn: tuple[object, ...] = ()
 

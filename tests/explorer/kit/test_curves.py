@@ -8,7 +8,7 @@ from unittest.mock import MagicMock
 
 import numpy as np
 
-from paminsa_viz.explorer.kit.curves import MotionCharts
+from paminsa_viz.explorer.kit.curves import HIGHEST, LOWEST, MotionChart, MotionCharts
 from paminsa_viz.palette import DARK, LIGHT
 from paminsa_viz.plots.series import Trace
 from paminsa_viz.plots.series_uplot import Chart
@@ -45,3 +45,16 @@ def test_charts_have_the_letters_and_lines_of_the_theme() -> None:
         draw(LIGHT, shown)
         assert removed.call_count == before + gone
     assert gui.add_uplot.call_count == 6
+
+
+def test_charts_follow_the_height_of_the_window() -> None:
+    gui = MagicMock()
+    chart = MotionChart(gui, MagicMock(), 0.0)
+    chart.fit(720.0)  # before there is one
+    chart.draw(CHART, LIGHT)
+    first = gui.add_uplot.call_args.kwargs["height"]
+    assert LOWEST < first < HIGHEST
+    for window, height in ((820.0, first + 50), (300.0, LOWEST), (2000.0, HIGHEST)):
+        chart.fit(window)
+        assert gui.add_uplot.return_value.height == height
+    assert gui.add_uplot.call_count == 1  # which would drop the piece of time that is looked at

@@ -104,8 +104,8 @@ class MotionPlots:
         self._slots, self._bridge = slots, session.bridge
         self._cursor = TimeCursor(session.bridge, lambda time: _scrub(session, time))
         gui.add_html(marker(PLACE), order=0)
-        height = session.window[1]
-        self.charts = tuple(MotionChart(gui, container, order, height) for order in (1.0, 2.0))
+        self.charts = tuple(MotionChart(gui, container, order) for order in (1.0, 2.0))
+        self.fit(session.window[1])
         self._caption = gui.add_html("", order=3)
         self._numbers = gui.add_html("", order=4)
         self.inputs = Panel(session, INPUTS)
@@ -114,6 +114,11 @@ class MotionPlots:
         self._read: dict[Trace, Statistics] = {}
         self._piece: tuple[object, ...] = ()
         session.bridge.on("piece", partial(_take_piece, session))
+
+    def fit(self, window_height: float) -> None:
+        """Let the charts fill a window of a height [px]."""
+        for chart in self.charts:
+            chart.fit(window_height)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed, unless nobody sees it."""
