@@ -40,6 +40,7 @@ from paminsa_viz.precision.unequal_legs import (
     solve_pose,
 )
 from paminsa_viz.progress import Progress, go_on
+from paminsa_viz.units import counted
 
 BAR_LENGTHS = ("bar_94", "bar_45", "bar_43", "bar_37", "bar_87", "bar_89")
 """Lengths that a pin's clearance changes."""
@@ -307,7 +308,9 @@ def monte_carlo(
     flat = pose.reshape(-1, 4)
     if robots < 1 or robots * len(flat) > MOST_SAMPLES:
         most = MOST_SAMPLES // max(len(flat), 1)
-        raise InvalidInput("robots", f"1 to {most} are possible with {len(flat)} poses")
+        raise InvalidInput(
+            "robots", f"1 to {most:,} are possible with {counted(len(flat), 'pose')}"
+        )
     require_seed(seed)
     geometry, center = design.geometry, design_lengths(design)
     start = solve_actuators(geometry, center, flat)

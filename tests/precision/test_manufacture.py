@@ -179,9 +179,9 @@ def test_robots_without_a_solution_are_counted() -> None:
 @pytest.mark.parametrize(
     ("options", "problem"),
     [
-        ({"robots": 0}, "robots: 1 to 1000000"),
-        ({"robots": 10**7}, "robots: 1 to 1000000"),
-        ({"robots": 500_001, "pose": BY_HAND[:2]}, "robots: 1 to 500000 are possible with 2"),
+        ({"robots": 0}, "robots: 1 to 1,000,000"),
+        ({"robots": 10**7}, "robots: 1 to 1,000,000"),
+        ({"robots": 500_001, "pose": BY_HAND[:2]}, "1 to 500,000 are possible with 2 poses"),
         ({"seed": -1}, "seed: a whole number"),
         ({"pose": (0, 0, 0, -3)}, "pose: a pose cannot be taken: the bars of a leg"),
         (

@@ -28,6 +28,7 @@ from paminsa_viz.explorer.state.calibration import CalibrationSettings, Measured
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.measurements import parse_measurements
 from paminsa_viz.files.table_reader import uploaded_table
+from paminsa_viz.units import counted
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
@@ -40,7 +41,9 @@ def _open(session: Session, name: str, content: bytes) -> None:
     measured = MeasuredPoses(name, table.measurements, table.first_row)
     session.dispatch(
         "calibrate.measured", lambda state: actions.use_measured(state, measured),
-        then=lambda: session.notify("Measured poses opened", f"{name}, {len(table.measurements)}"),
+        then=lambda: session.notify(
+            "Measured poses opened", f"{name}, {counted(len(table.measurements), 'pose')}"
+        ),
     )  # fmt: skip
 
 
