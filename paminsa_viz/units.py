@@ -64,6 +64,7 @@ _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _SYMBOL = re.compile(
     r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})(?![^\W²³])(?:\^\((\w+)\))?"
 )
+_WORD = re.compile(r"(?:a|[a-z]{2,})(?:[’'][a-z]+)?(?:[ ,;:]|$)")  # no l_B3, log.csv, x = 5
 _TORN = re.compile(
     r"(?<=[\d∞]) (?=(?:%|[kM]?N|[µmd]?m|m?s|[kµ]?g|M?Pa|W|J|Hz|A|rpm)(?![a-z]))"  # 7.5 mm
     r"|(?<=\b[xyzθκ]) (?=[−\d])|(?<=[⌀×≤≥=±]) (?=[−\d])|(?<=\S) (?=[≤≥=±×] )"  # z −5, κ ≤ 10, 3 × 4
@@ -158,6 +159,16 @@ def percent_change(before: float, after: float) -> str:
         return f"×{number(after / before, 3)}"
     text = f"{percent:+.1f}" if round(abs(percent), 1) < 100 else f"{percent:+.0f}"
     return f"{text.replace('-', '−')} %" if float(text) else "≈ 0 %"
+
+
+def as_sentence(text: str) -> str:
+    """Return what an error says as a sentence: with a capital letter and a period.
+
+    A symbol or the name of a file or of a value that it begins with stays as it is written.
+    """
+    if _WORD.match(text):
+        text = text[0].upper() + text[1:]
+    return text if not text or text[-1] in ".!?…" else f"{text}."
 
 
 def symbol_text(symbol: str) -> str:

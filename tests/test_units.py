@@ -11,6 +11,7 @@ from paminsa_viz.model import APPENDIX_4, PARAMETER
 from paminsa_viz.units import (
     NONE,
     TIE,
+    as_sentence,
     counted,
     display_unit,
     fixed,
@@ -34,6 +35,21 @@ def test_counts_have_commas_and_measured_numbers_have_none() -> None:
     assert counted(47889, "pose") == "47,889 poses"
     assert (counted(999, "row"), counted(1000, "row")) == ("999 rows", "1,000 rows")
     assert number(47889.0, 5) == "47889"
+
+
+def test_an_error_becomes_a_sentence_and_symbols_stay_as_they_are() -> None:
+    for text, sentence in (
+        ("motion: there is none yet", "Motion: there is none yet."),
+        ("a workspace is needed", "A workspace is needed."),
+        ("it failed; see “Path”", "It failed; see “Path”."),
+        ("Stopped.", "Stopped."),
+        ("l_B3 = 5 mm: above 0 is needed", "l_B3 = 5 mm: above 0 is needed."),
+        ("z = 5 mm is too high", "z = 5 mm is too high."),
+        ("log.csv, row 3: no number", "log.csv, row 3: no number."),
+        ("geometry.crank_length = 0", "geometry.crank_length = 0."),
+        ("", ""),
+    ):
+        assert as_sentence(text) == sentence
 
 
 @given(st.floats(-1e9, 1e9, allow_subnormal=False), st.integers(2, 8), st.booleans())

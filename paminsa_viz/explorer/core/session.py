@@ -31,6 +31,7 @@ from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import State, Steps
 from paminsa_viz.kept import User
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.units import as_sentence
 
 log = logging.getLogger(__name__)
 
@@ -386,7 +387,7 @@ class Session:
             with self.user.working():
                 job()
         except PaminsaError as error:
-            self.notify("Not possible", str(error), bad=True)
+            self.notify("Not possible", as_sentence(str(error)), bad=True)
         except Exception:
             if self._closed:
                 return

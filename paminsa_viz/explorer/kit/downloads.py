@@ -14,6 +14,7 @@ from paminsa_viz.explorer.kit.entries import ButtonGroup, Run
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.progress import Canceled
+from paminsa_viz.units import as_sentence
 
 log = logging.getLogger(__name__)
 
@@ -94,7 +95,7 @@ def _export(what: str, make: Make, session: Session) -> None:
     except Canceled:  # whoever has canceled it knows
         return
     except PaminsaError as error:
-        session.notify("Not exported", str(error), bad=True)
+        session.notify("Not exported", as_sentence(str(error)), bad=True)
         return
     except Exception:
         log.exception("an export failed")

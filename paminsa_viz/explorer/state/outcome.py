@@ -9,6 +9,7 @@ from typing import Generic, Self, TypeVar
 
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.progress import Progress, go_on
+from paminsa_viz.units import as_sentence
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -32,8 +33,8 @@ class Outcome(Generic[Job, Result]):
 
     @property
     def problem(self) -> str:
-        """Why there is nothing, for the page."""
-        return "" if self.error is None else str(self.error)
+        """Why there is nothing, as a sentence for the page."""
+        return "" if self.error is None else as_sentence(str(self.error))
 
 
 @dataclass(frozen=True)

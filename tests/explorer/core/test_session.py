@@ -172,7 +172,7 @@ def test_failed_request_is_notified_and_set_back_and_stops_no_other(
     before, drawn = bench.session.state, len(bench.immediate.drawn)
     bench.session.dispatch("wrong", fail(error))
     ((_, text),) = eventually(lambda: bench.page.notices)
-    assert (text == str(error)) == isinstance(error, InvalidInput)
+    assert (text == f"{error}.") == isinstance(error, InvalidInput)
     assert "broken" not in text
     eventually(lambda: len(bench.immediate.drawn) > drawn)  # so that the input is set back
     assert bench.session.state == before
@@ -413,4 +413,4 @@ def test_what_follows_an_action_is_done_unless_it_was_refused(bench: Bench) -> N
     bench.session.dispatch("file", to(0.02), then=lambda: told.append(f"opened at {bench.x}"))
     eventually(lambda: told)
     assert told == ["opened at 0.02"]
-    assert [text for _, text in bench.page.notices] == [str(InvalidInput("x", "it is not liked"))]
+    assert [text for _, text in bench.page.notices] == ["x: it is not liked."]

@@ -32,6 +32,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import Design, PaminsaError, static_imbalance
 from paminsa_viz.model.singular_limit import serial_clearance
 from paminsa_viz.units import (
+    as_sentence,
     counted,
     format_pose,
     format_value,
@@ -60,7 +61,7 @@ def status_html(frame: Frame) -> str:
 def problem_html(problem: PaminsaError, testid: str = "balance-status") -> str:
     """Return why there is no result, and which bounds to move."""
     if not isinstance(problem, InfeasibleBounds):
-        return status(testid, "bad", "Not possible", str(problem))
+        return status(testid, "bad", "Not possible", as_sentence(str(problem)))
     lines = (Markup(symbols_html(text)) for text in problem.sentences(bound_name))
     return status(testid, "bad", "The bounds do not allow it", *lines)
 

@@ -172,8 +172,9 @@ def motion_figure(state: State, kind: str) -> File:
     if what == "comparison":
         check = found.answer.result if found.answer else None
         if check is None:
-            why = found.answer.problem if found.answer else ""
-            raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
+            why = found.answer.error if found.answer else ""
+            waits = "its torques are not there yet; see “Motion plots”"
+            raise InvalidInput("engine", str(why) or waits)
         published = sources.published
         title = f"Formulas{' as published' if published else ''} and {check.engine.name}"
         sources = SeriesSources(published or sources.analysis, engine=check.engine)

@@ -23,6 +23,7 @@ from paminsa_viz.explorer.server.limits import Limits
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.files.design_file import DesignContent, read_content, write_design
 from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.units import as_sentence
 from paminsa_viz.version import MADE_BY
 
 
@@ -80,7 +81,7 @@ def receive_refused(session: Session, data: Any) -> None:
     """Say why a file is not opened; ``data`` comes from the page."""
     match data:
         case [str(name), "large" | "dropped" as why]:
-            session.notify("Not opened", str(FileError(name, REFUSALS[why])), bad=True)
+            session.notify("Not opened", as_sentence(str(FileError(name, REFUSALS[why]))), bad=True)
 
 
 def _save_page(session: Session) -> None:

@@ -41,7 +41,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts
 from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
-from paminsa_viz.units import number
+from paminsa_viz.units import as_sentence, number
 
 TIME = "t  [s]"
 ACTUATORS = {f"M{j + 1}": j for j in range(4)}
@@ -51,9 +51,9 @@ def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool
     """Return whether a motion can be run, and the line that says so or says why not."""
     found = motions.planned(state)
     if analysis is None or found.trajectory is None or found.problem:
-        return False, found.problem
+        return False, as_sentence(found.problem)
     if analysis.failure is not None:
-        return False, f"fails {analysis.failure.explanation}"
+        return False, as_sentence(f"fails {analysis.failure.explanation}")
     return True, f"{samples_text(found.trajectory)}. {margin_text(analysis.check)}"
 
 
@@ -65,14 +65,14 @@ def status_html(frame: Frame) -> str:
     level, title = ("ok", "Reachable") if reachable else ("bad", "Not possible")
     if found.trajectory is None:
         level, title = "plain", "No motion yet"
-    lines = [line, f"shortest: {found.bound}"] if found.bound else [line]
+    lines = [line, as_sentence(f"shortest: {found.bound}")] if found.bound else [line]
     near = None if analysis is None else clearance.along(state, analysis)
     if near is not None and reachable:
         why = clearance_reason(near.distance, near.names, state.clearance.settings.required)
         if why:
             level, words = clearance.headline(near.distance)
             title = f"{title}, {words}"
-            lines.insert(0, f"{why}, at {number(near.t, 3)} s")
+            lines.insert(0, as_sentence(f"{why}, at {number(near.t, 3)} s"))
     return render(
         "motion/status.j2",
         level=level,

@@ -195,7 +195,7 @@ def result_html(frame: Frame) -> str:
     if outcome is None:
         return ""
     if outcome.result is None:
-        text = note("stiffness-problem", f"No stiffness at this pose: {outcome.problem}.")
+        text = note("stiffness-problem", f"No stiffness at this pose: {outcome.error}.")
     else:
         text = _found_html(outcome.job, outcome.result, frame.state.stiffness.settings.mode)
     behind = _is_behind(frame)

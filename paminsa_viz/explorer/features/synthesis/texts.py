@@ -25,7 +25,7 @@ from paminsa_viz.quantities.requirement_text import (
     shape_text,
     workspace_text,
 )
-from paminsa_viz.units import number
+from paminsa_viz.units import as_sentence, number
 
 
 def intro_html(frame: Frame) -> str:
@@ -36,7 +36,7 @@ def intro_html(frame: Frame) -> str:
     try:
         case_of(state.synthesis.settings, state.document.design, requirements)
     except PaminsaError as error:
-        problem = str(error).removeprefix("workspace: ")  # which the sentence says itself
+        problem = as_sentence(str(error).removeprefix("workspace: "))  # which it says itself
     return render(
         "synthesis/intro.j2", problem=problem, headings=headings_text(requirements),
         labels=[requirement_label(bound) for bound in requirements.bounds],

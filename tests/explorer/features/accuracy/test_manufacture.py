@@ -109,9 +109,9 @@ def test_too_many_robots_are_a_problem_and_no_failure(moved: State) -> None:
     job = robots.DRAW.start(moved).monte_carlo.running
     assert job is not None
     outcome = solve(draw_robots, replace(job, robots=10**8))
-    assert "robots" in outcome.problem
+    assert "Robots" in outcome.problem
     shown = moved.updated("monte_carlo", outcome=outcome)
-    assert "robots" in robots.monte_carlo_html(compute(shown))
+    assert "Robots" in robots.monte_carlo_html(compute(shown))
 
 
 def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: State) -> None:

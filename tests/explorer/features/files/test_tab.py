@@ -220,7 +220,7 @@ def test_broken_share_codes_are_notified_and_change_nothing(
     for code in ("", "rubbish", "PMZ1-", "PMZ1-AAAA", "<b>", "PMZ1-" + "A" * 50_000):
         desk.notices.clear()
         desk.set("file.code", code)
-        desk.noticed("share code")
+        desk.noticed("Share code")
         desk.until(lambda: desk.handle("file.code").value == shown)
         assert desk.state.document == before, code[:20]
 

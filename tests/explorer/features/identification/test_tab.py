@@ -281,9 +281,9 @@ def test_failed_jobs_are_shown() -> None:
     assert job is not None
     outcome = Outcome(job, error=PaminsaError("it failed"))
     failed = delivered(actions.IDENTIFY, state, outcome)
-    assert "it failed" in identify_text.status_html(compute(failed))
+    assert "It failed" in identify_text.status_html(compute(failed))
     failed = state.updated("identification.excitation", outcome=outcome)
-    assert "it failed" in identify_text.excitation_html(compute(failed))
+    assert "It failed" in identify_text.excitation_html(compute(failed))
 
 
 def test_names_from_files_are_escaped(found: State) -> None:

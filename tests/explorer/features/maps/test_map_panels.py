@@ -180,7 +180,7 @@ def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:
     scale = desk.panel._torques.scales[0]
     desk.until(lambda: ends.value == (scale.low, scale.high))
     desk.set("Ends", [-8.0, 5e10])
-    desk.noticed("color range")
+    desk.noticed("Color range")
     desk.until(lambda: ends.value == (scale.low, scale.high))
     assert desk.state.map_view.range_mode is RangeMode.AUTO
     desk.set("Ends", [-2.5, 4.0])

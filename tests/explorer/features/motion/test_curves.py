@@ -267,7 +267,7 @@ def test_impossible_load_or_path_of_a_simulation_is_explained(failing: State) ->
     design = initial_state().document.design
     assert motion is not None
     lighter = SimulationJob(design, motion, SimulationSettings(payload_mismatch=-1.0))
-    needed = "payload mismatch: at least 0 kg is needed: no payload is left then"
+    needed = "Payload mismatch: at least 0 kg is needed: no payload is left then."
     assert solve(run, lighter).problem == needed
     loaded = design.vary({"payload.mass": 2.0})
     assert (
