@@ -53,6 +53,16 @@ def test_marks_follow_the_design(asked: State) -> None:
     assert "requirements-strip" not in strip_html(compute(initial_state()))
 
 
+def test_a_name_may_break_where_its_number_and_unit_may_not(asked: State) -> None:
+    shown = [text.list_html(compute(actions.choose_side(asked, side))) for side in actions.Side]
+    for found in shown:
+        kept = re.findall('<span class="pv-bound">(.*?)</span>', found)
+        assert all("<input" in one and "<button" not in one for one in kept)
+        assert len(kept) == found.count("<input")
+    bounds = asked.document.requirements.bounds
+    assert max(found.count("<input") for found in shown) == len(bounds) + 1
+
+
 def test_marks_of_the_strip_are_gray_until_the_next_check(asked: State) -> None:
     def line(state: State) -> tuple[list[str], bool]:
         shown = text.strip_html(state)
