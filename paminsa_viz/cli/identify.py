@@ -38,8 +38,9 @@ Find masses, balance and friction of the built robot from a log of positions and
 
 The log is a table with t_s, theta1_rad .. theta3_rad (or _deg), Z_m (or _mm), torque1_Nm ..
 torque3_Nm and force4_N, or current1_A .. current4_A with --gains. Torques are what the actuators
-deliver, friction included. A motion that shows all parameters comes from paminsa-viz excite; see
-docs/identification.md.
+deliver, friction included. Columns are in any order, between commas, semicolons or tabs, with a
+decimal comma only between the latter two. A motion that shows all parameters comes from paminsa-viz
+excite; see docs/identification.md.
 
 Numbers come with 95 % intervals; what the log does not tell is called unknown.
 

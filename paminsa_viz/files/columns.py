@@ -146,9 +146,6 @@ def match_columns(
     def refused(problem: str, column: str = "") -> TableFileError:
         return TableFileError(source, problem, row=row, column=column)
 
-    if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
-        problem = "columns are separated by commas (and decimals written with a point)"
-        raise refused(problem, header[0])
     if not any(header):
         needed = ",".join(kind.needed)
         raise refused(f"the row is empty, but has to name the columns: {needed}")

@@ -40,6 +40,11 @@ _OTHER_FILES = {
 
 MISSING = "the value is missing"
 
+_SIGNS = {",": "comma", ".": "point"}
+
+_SEPARATORS = (",", ";", "\t")
+"""What may be between columns; where it is no comma, a comma may be the decimal sign."""
+
 
 @dataclass(frozen=True, eq=False)
 class TableBlock:
@@ -47,7 +52,7 @@ class TableBlock:
 
     Attributes:
         first_row: Row of the first of them, as a spreadsheet counts.
-        cells: Their texts, in the file's column order.
+        cells: Their texts, in the file's column order; decimals have a point.
         values: (n,) numbers in SI units by column name, of the columns that are read.
     """
 
@@ -64,7 +69,8 @@ class TableBlock:
 class TableReader:
     """An open CSV table: its header is checked, its rows are read on demand.
 
-    Lines that begin with ``#`` may come before the header. Columns are in any order.
+    Lines that begin with ``#`` may come before the header. Columns are in any order, between
+    commas, or between semicolons or tabs: numbers may then have a decimal comma, all of them.
 
     Attributes:
         header: Names of all columns.
@@ -91,7 +97,10 @@ class TableReader:
         self._comments: list[str] = []
         self.facts: dict[str, str] = {}
         text = self._lines(lines, timeout)
-        self._records = csv.reader(chain(self._after_comments(text), text), strict=True)
+        head = self._after_comments(text)
+        self._separator = next((sign for sign in _SEPARATORS if sign in "".join(head)), ",")
+        self._decimal = "." if self._separator == "," else ""
+        self._records = csv.reader(chain(head, text), delimiter=self._separator, strict=True)
         head_row = self._row
         header = self._read(1)
         if not header:
@@ -129,6 +138,7 @@ class TableReader:
             if blank_row and self._row - blank_row > MOST_BLANK_ROWS:
                 raise self._refused(f"over {MOST_BLANK_ROWS:,} blank rows end the table", blank_row)
             if cells:
+                cells = self._with_points(cells, first_row)
                 yield TableBlock(first_row, cells, self._values(cells, first_row))
             if first_row + len(cells) < self._row:
                 blank_row = blank_row or first_row + len(cells)
@@ -208,6 +218,35 @@ class TableReader:
             raise as_file_error(self._source, error, "read", TableFileError) from error
         self._row += len(records)
         return records
+
+    def _with_points(self, cells: list[list[str]], first_row: int) -> list[list[str]]:
+        """Return the texts with a point for a decimal comma.
+
+        Raises:
+            TableFileError: Where the file has both, as one of them then groups thousands.
+        """
+        text = "" if self._separator == "," else "".join(chain.from_iterable(cells))
+        signs = {sign for sign in _SIGNS if sign in text} | {self._decimal} - {""}
+        if len(signs) > 1:
+            raise self._mixed_signs(cells, first_row)
+        self._decimal = "".join(signs)
+        if "," not in text:
+            return cells
+        return [[cell.replace(",", ".") for cell in record] for record in cells]
+
+    def _mixed_signs(self, cells: list[list[str]], first_row: int) -> TableFileError:
+        """Return the error of the first cell with another decimal sign than those before it."""
+        known = self._decimal
+        for row, record in enumerate(cells, first_row):
+            for place, cell in enumerate(record):
+                for sign in (sign for sign in cell if sign in _SIGNS):
+                    known = known or sign
+                    if sign != known:
+                        here, before = _SIGNS[sign], _SIGNS[known]
+                        column = self.header[place] if place < len(self.header) else ""
+                        problem = f"{shown(cell)} has a {here}, where decimals before it have a"
+                        return self._refused(f"{problem} {before}", row, column)
+        raise AssertionError("decimals have one sign")
 
     def _values(self, cells: list[list[str]], first_row: int) -> dict[str, NDArray[np.float64]]:
         places = [column.place for column in self.columns]

@@ -62,12 +62,19 @@ def check_refused(reader, *words) -> TableFileError:
     st.lists(st.lists(FLOATS, min_size=len(ALL), max_size=len(ALL)), max_size=7),
     st.sampled_from(["\n", "\r\n", "\r"]),
     st.sampled_from(["{!r}", '"{!r}"', " {!r} "]),
+    st.sampled_from([",.", ";.", ";,", "\t.", "\t,"]),
     st.integers(1, 4),
     st.integers(0, 3),
 )
-def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once, blanks) -> None:
-    lines = [",".join(columns)]
-    lines += [",".join(style.format(x) for x in row[: len(columns)]) for row in rows]
+def test_every_cell_arrives_in_its_place(
+    columns, rows, end, style, signs, rows_at_once, blanks
+) -> None:
+    between, decimal = signs
+    lines = [between.join(columns)]
+    lines += [
+        between.join(style.format(x).replace(".", decimal) for x in row[: len(columns)])
+        for row in rows
+    ]
     pieces = read(end.join(lines) + end + blanks * end, rows_at_once)
     assert sum(len(piece.cells) for piece in pieces) == len(rows)
     if not rows:
@@ -87,7 +94,9 @@ def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once
         ("", None, "", "is empty; a header row with x_m,y_m,theta_rad,z_m"),
         ("1,2,3,4\n", 1, "1", "the first row has to name the columns"),
         ("x_m,y_m,theta_rad\n", 1, "z_m", "a pose needs x_m,y_m,theta_rad,z_m"),
-        ("x_m;y_m;theta_rad;z_m\n", 1, "x_m;y_m;theta_rad;z_m", "separated by commas"),
+        ("x_m;y_m;theta_rad;z_m\n0,5;0;0;0\n0;1.5;0;0\n", 3, "y_m", "where decimals before it"),
+        ("x_m;y_m;theta_rad;z_m\n0;0;0;1.234,5\n", 2, "z_m", "'1.234,5' has a comma"),
+        ("x_m;y_m;theta_rad;z_m\n0;0;0;1,234,5\n", 2, "z_m", "is not a number"),
         (f"{HEAD},x_m\n", 1, "x_m", "twice"),
         (f"{HEAD},\n", 1, "", "column 5 has no name"),
         ("x_m,y_m,theta_grad,z_m\n", 1, "theta_grad", "write theta_rad or theta_deg"),
