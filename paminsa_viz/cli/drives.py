@@ -40,7 +40,7 @@ Find motors and gears for M1 to M3, and motors, gears and screws or belts for M4
   paminsa-viz drives --preset arch --dwell 0.5 --catalog my.csv --order margin
   paminsa-viz drives --cycle arch 10 0.2 --cycle home.csv 1 30
   paminsa-viz drives --ratios                               the gear ratios each motor can have
-  paminsa-viz drives --same --save driven.toml              the design with the first of each list
+  paminsa-viz drives --same --out driven.toml               the design with the first of each list
 
 A drive is feasible if it keeps RMS torque, torque-speed envelope, top and mean speed, the winding's
 temperature and the gear's torques; see docs/drives.md. The catalog that comes with the program
@@ -75,7 +75,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
     ratios: bool = False
     """List the feasible gear ratios of every motor instead, for a gear without inertia and losses;
     for M4 with each screw and belt, whose inertia and friction count."""
-    save: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
+    out: Annotated[OrNone[Path], tyro.conf.arg(metavar="FILE.toml")] = None
     """Design file to write, with the first drive of each list; one that exists is replaced."""
 
     def run(self) -> int:
@@ -94,10 +94,10 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         )
         advice = tuple(found.advice(j) for j in range(4))
         written = []
-        if self.save is not None and found.feasible:
+        if self.out is not None and found.feasible:
             comment = f"Drives by {MADE_BY} from {catalog.name}."
             driven, requirements = found.design(design), self.given_requirements()
-            written = [save_changed(driven, self.save, requirements, comment=comment)]
+            written = [save_changed(driven, self.out, requirements, comment=comment)]
         if self.json:
             data = selection_data(design, catalog, found, self.rows, advice)
             print_json(data | {"order": self.order, "files": written})
@@ -109,12 +109,12 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         return 0 if found.feasible else 1
 
     def _check(self) -> None:
-        check_output("--save", self.save, [".toml"])
+        check_output("--out", self.out, [".toml"])
         one = self.preset is not None or self.file is not None or self.dwell != 0
         for wrong, problem in (
             (self.cycle and one, "--cycle excludes --preset, --file and --dwell"),
             (not 1 <= self.rows <= 1000, "--rows: 1 to 1000 are possible"),
-            (self.ratios and self.save is not None, "--save excludes --ratios"),
+            (self.ratios and self.out is not None, "--out excludes --ratios"),
         ):
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz drives --help")

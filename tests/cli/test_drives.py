@@ -40,7 +40,7 @@ def test_generic_drives_fit_the_default_motion(capsys) -> None:
 
 @pytest.mark.slow
 def test_the_saved_design_has_the_first_drives_and_keeps_their_limits(capsys) -> None:
-    words = ("--same", "--order", "margin", "--save", "driven.toml")
+    words = ("--same", "--order", "margin", "--out", "driven.toml")
     found = run_json("drives", capsys, *words)
     design = load_design("driven.toml")
     assert design.name == "driven"
@@ -72,7 +72,7 @@ def test_ratios_of_every_motor(capsys) -> None:
 @pytest.mark.slow
 def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
     Path("weak.csv").write_text(MOTORS.replace("motor,small", "# motor,small"))
-    code, out, err = run("drives", capsys, "--catalog", "weak.csv", "--save", "no.toml")
+    code, out, err = run("drives", capsys, "--catalog", "weak.csv", "--out", "no.toml")
     assert (code, err) == (1, "")
     assert "no drive fits; the nearest is weak, box, whose" in out
     assert "no slower motion makes one fit" in out
@@ -95,7 +95,7 @@ def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
         (("--inertia-ratio", "0"), "viz: --inertia-ratio: a"),
         (("--rows", "0"), "--rows"),
         (("--order", "color"), "--order"),
-        (("--save", "robot.csv"), "--save robot.csv"),
+        (("--out", "robot.csv"), "--out robot.csv"),
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )

@@ -87,7 +87,7 @@ def test_json_names_the_files_that_are_written(
         "calibrate --propose 5 --out c.csv", "excite --seconds 0 --evaluations 0 --out d.csv",
         "requirements check --coarse --require condition<=10 --out e.csv",
         "sweep --vary links.b3=0.3:0.5:2 --cells 8 --workers 1 --out f.csv",
-        "drives --save g.toml", "map --cells 10 --out h.csv", "trajectory --rate 50 --out i.csv",
+        "drives --out g.toml", "map --cells 10 --out h.csv", "trajectory --rate 50 --out i.csv",
     ):  # fmt: skip
         main([*command.split(), "--json"])
         *_, name = command.split()
@@ -184,7 +184,7 @@ class Gone(io.StringIO):
         "loads --bar b4 --out",
         "loads --preset arch --out",
         "calibrate poses.csv --out",
-        "drives --save",
+        "drives --out",
         "balance --out",
         "trajectory --out",
         "requirements check --volume --coarse --out",
@@ -208,7 +208,7 @@ def test_files_are_written_though_nobody_reads_what_is_printed(
     [
         "balance --out",
         "calibrate poses.csv --out",
-        "drives --save",
+        "drives --out",
         "identify example --out",
     ],
 )

@@ -260,7 +260,7 @@ NAMES = (
 WRITERS = [
     "map --out", "trajectory --out", "report --out", "page --out", "export --glb", "export --mjcf",
     "balance --out", "design default --out", "evaluate in.csv --out",
-    "sweep --vary links.b3=1:2:2 --out", "drives --save",
+    "sweep --vary links.b3=1:2:2 --out", "drives --out",
 ]  # fmt: skip
 
 
