@@ -60,6 +60,9 @@ FAR = 100.0
 MOST_FAR = 3
 """How many such values are named."""
 
+_ROUNDING = 1e-9
+"""Numbers that differ by no larger part are the same but for rounding."""
+
 _UNUSED = ("friction", "load", "payload")
 """Groups that are left out while all their values are those of Appendix 4."""
 
@@ -231,7 +234,7 @@ def _differs(first: Design, second: Design, path: str) -> bool:
     one, other = first.stored(path), second.stored(path)
     if one is None or other is None:
         return one is not other
-    return not math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-12)
+    return not math.isclose(one, other, rel_tol=_ROUNDING, abs_tol=1e-12)
 
 
 def _shown(design: Design, item: Parameter) -> str:
@@ -250,18 +253,23 @@ def _other_changes(first: Design, second: Design) -> list[Row]:
         words = [choice(design, table, name).value for design in (first, second)]
         if words[0] != words[1]:
             found.append(Row((f"{table} {name}", CHOICE_MEANINGS[name], f"{table}.{name}", *words)))
-    places = {w.place: [0.0, 0.0] for each in (first, second) for w in each.counterweights}
-    for index, design in enumerate((first, second)):
-        for weight in design.counterweights:
-            places[weight.place][index] += weight.mass
-    for place, (one, other) in places.items():
-        if one != other:
+    for place, (one, other) in _weights_by_place(first, second).items():
+        if not math.isclose(one, other, rel_tol=_ROUNDING):
             texts = (number(one, 6), number(other, 6), percent_change(one, other))
             found.append(Row((f"on {place} [kg]", "counterweight", "", *texts)))
     for actuator, *drives in zip(ACTUATORS, first.drives, second.drives, strict=True):
         if drives[0] != drives[1]:
             found += _drive_rows(actuator, *drives)
     return found
+
+
+def _weights_by_place(first: Design, second: Design) -> dict[str, list[float]]:
+    """Return what two designs carry on each leg [kg], by its place; 0 where one has nothing."""
+    masses = {w.place: [0.0, 0.0] for each in (first, second) for w in each.counterweights}
+    for index, design in enumerate((first, second)):
+        for weight in design.counterweights:
+            masses[weight.place][index] += weight.mass
+    return masses
 
 
 def _drive_rows(actuator: str, first: Drive | None, second: Drive | None) -> list[Row]:
@@ -295,12 +303,10 @@ def difference_blocks(first: Design, second: Design, names: tuple[str, str]) -> 
     found = []
     for table, name, a, b, what in _changed(first, second):
         found.append((table, name, _text(a), _text(b), _change(a, b), what))
-    if first.counterweights != second.counterweights:
-        held = [
-            "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or NONE
-            for design in (first, second)
-        ]
-        found.append(("counterweights", "", *held, "", ""))
+    for place, masses in _weights_by_place(first, second).items():
+        if masses[0] != masses[1]:
+            texts = (*map(_text, masses), _change(*masses))
+            found.append(("counterweights", "mass_kg", *texts, place))
     for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
         if pair[0] != pair[1]:
             texts = [NONE if drive is None else drive.summary for drive in pair]

@@ -122,7 +122,7 @@ def test_stiffness_that_was_rigid_has_no_change_in_percent(capsys) -> None:
         ("d.toml a.toml", ["links b3_kg 0.203 0.406 +100 %", "payload mass_kg 2 0 -100 %"],
          {"links.b3_kg": (0.203, 0.406), "payload.mass_kg": (2.0, 0.0)}),
         ("u.toml", ["geometry knee lower upper "], {"geometry.knee": ("lower", "upper")}),
-        ("w.toml", ["counterweights - 1.5 kg on B3, 200 mm"], {}),
+        ("w.toml", ["counterweights mass_kg 0 1.5 new B3, 200 mm"], {}),
     ],
     ids=["appendix 4", "another file", "knee", "counterweight"],
 )  # fmt: skip
