@@ -218,7 +218,8 @@ def conflict_notes(
 def _relaxation(requirements: Requirements, item: VolumeRelaxation, text: RequirementText) -> Note:
     bound = requirements.bounds[item.requirement]
     if item.relaxed is None or item.by is None:
-        return Note(f"{text(bound)}: no other bound of it helps.")
+        others = " while the others stay as they are" if len(requirements.bounds) > 1 else ""
+        return Note(f"{text(bound)}: no other bound of it helps{others}.")
     ends = [
         f"{name} {bound.entry.display.format(new, up=name == 'at most')}"
         for name, old, new in (

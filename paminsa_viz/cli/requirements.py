@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from paminsa_viz.blocks.data import robot
+from paminsa_viz.blocks.kinds import Note
 from paminsa_viz.blocks.proofs import largest_blocks, largest_data, proof_blocks, proof_data
 from paminsa_viz.blocks.requirements import (
     check_blocks,
@@ -199,6 +200,8 @@ class Largest(JsonFlags, RequirementFlags):
             advice = "a longer --time or a smaller --tolerance may decide it"
             print_heading(design)
             print_blocks(largest_blocks(requirements, found, requirement_text, advice=advice))
+            if found.cause == "volume":
+                print_blocks([Note("'paminsa-viz requirements check' names those that contradict")])
         return 1 if found.workspace is None else 0
 
 

@@ -130,10 +130,12 @@ def test_what_would_have_to_give_way() -> None:
         "No pose meets these together: condition; tau_1.",
         "condition: would do with at most 9.235 (moved by 1.23).",
         "tau_1: would do with at least −7.001 N·m (moved by 2 N·m).",
-        "tau_1: no other bound of it helps.",
+        "tau_1: no other bound of it helps while the others stay as they are.",
         "tau_1: would do with at least −8 N·m and at most 15 N·m (moved by 3 N·m).",
-        "tau_1: no other bound of it helps.",
+        "tau_1: no other bound of it helps while the others stay as they are.",
     ]  # fmt: skip
+    alone = Requirements((CONDITION,), (-0.1, 0.1), None)
+    assert notes(alone, (0,), relaxed(0, None))[1:] == ["condition: no other bound of it helps."]
     placed = replace(asked, workspace=PLACE)
     assert notes(placed, (0,)) == ["No place of the workspace meets condition."]
     for requirements, what in ((asked, "No pose"), (placed, "No place for the workspace")):

@@ -163,6 +163,11 @@ def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None
     code, out, _ = run("requirements", capsys, *words)
     assert code == 1
     assert "none: f_4 <= 100 N breaks at x" in out
+    words = ("largest", "--require", "condition <= 0.5", "--cylinder", "200", "200")
+    code, out, _ = run("requirements", capsys, *words)
+    assert code == 1
+    assert "none: no position meets all requirements" in out
+    assert "'paminsa-viz requirements check' names those that contradict" in out
 
 
 @pytest.mark.slow
