@@ -72,6 +72,10 @@ def _frees_masses(state: State) -> bool:
     return state.balance.settings.movable is not FreeMasses.NONE
 
 
+def _is_on_motion(state: State) -> bool:
+    return not state.balance.settings.goal.static
+
+
 SETTINGS = (
     _setting("goal", apply=balancing.choose_goal),
     Slider(
@@ -92,8 +96,10 @@ SETTINGS = (
     _setting("movable"),
     _setting("max_increase", visible=_frees_masses),
     _setting("max_decrease", visible=_frees_masses),
-    _setting(
-        "max_added", visible=lambda state: not state.balance.settings.goal.static
+    _setting("max_added", visible=_is_on_motion),
+    Html(
+        "balance.unlimited", visible=_is_on_motion,
+        content=note("", "Largest added mass of the whole robot; 0: no limit", muted=True),
     ),
     Button(
         "balance.optimize", "Optimize", visible=_idle,
