@@ -99,25 +99,23 @@ class RequirementFlags(DesignFlags):
         return Requirements(bounds, (low, high), self._workspace(given.workspace))
 
     def _workspace(self, given: Workspace | None) -> Workspace | None:
-        if self.cylinder is not None and self.box is not None:
-            raise UsageError("--cylinder and --box exclude each other")
-        if self.cylinder is None and self.box is None:
+        flags = {shape: f"--{shape.value}" for shape in WorkspaceShape}
+        sizes = {shape: getattr(self, shape.value) for shape in WorkspaceShape}
+        shapes = [shape for shape, extents in sizes.items() if extents is not None]
+        if len(shapes) > 1:
+            raise UsageError(f"{' and '.join(flags[shape] for shape in shapes)} exclude each other")
+        if not shapes:
             if self.center is None:
                 return given
             if given is None:
-                raise UsageError("--center needs --cylinder or --box")
+                raise UsageError(f"--center needs {' or '.join(flags.values())}")
             return replace(given, center=self._center())
-        for flag, extents in (("--cylinder", self.cylinder), ("--box", self.box)):
-            if extents is not None and not all(0 < extent < math.inf for extent in extents):
-                words = " ".join(f"{extent:g}" for extent in extents)
-                raise UsageError(f"{flag}: lengths above 0 mm are needed, not {words}")
-        if self.cylinder is not None:
-            diameter, height = (extent / MM for extent in self.cylinder)
-            size = (diameter, diameter, height)
-            return Workspace(WorkspaceShape.CYLINDER, size, self._center())
-        assert self.box is not None
-        x, y, z = (extent / MM for extent in self.box)
-        return Workspace(WorkspaceShape.BOX, (x, y, z), self._center())
+        (shape,) = shapes
+        if not all(0 < extent < math.inf for extent in sizes[shape]):
+            words = " ".join(f"{extent:g}" for extent in sizes[shape])
+            raise UsageError(f"{flags[shape]}: lengths above 0 mm are needed, not {words}")
+        size = shape.section.size(*(extent / MM for extent in sizes[shape]))
+        return Workspace(shape, size, self._center())
 
     def _center(self) -> tuple[float | None, float | None, float | None]:
         if self.center is None:

@@ -27,6 +27,7 @@ from paminsa_viz.files.design_schema import (
 )
 from paminsa_viz.model.drive import ACTUATORS, TRANSMISSIONS
 from paminsa_viz.model.parameters import BAR_ENDS
+from paminsa_viz.model.workspace_shapes import WorkspaceShape
 
 _BARS = tuple(bar.upper() for bar in BAR_ENDS)
 _LARGEST = sys.float_info.max
@@ -55,7 +56,7 @@ class RequirementEntry(Struct):
     quantity: str
 
 
-_SHAPES = ("cylinder", "box")
+_SHAPES = tuple(shape.value for shape in WorkspaceShape)
 WorkspaceTable = _table(
     "WorkspaceTable", dict.fromkeys(WORKSPACE_KEYS, _Number) | {"shape": Literal[_SHAPES]}
 )

@@ -17,6 +17,7 @@ from paminsa_viz.model.design import OPTIONAL_GROUPS, PARAMETER, Design, KneeBra
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.parameters import Parameter
+from paminsa_viz.model.workspace_shapes import WorkspaceShape
 
 SCHEMA_VERSION = 1
 """Version of the layout; raised when a key changes its name, place or meaning, not when one is
@@ -43,9 +44,12 @@ REQUIREMENTS = "requirements"
 WORKSPACE = "workspace"
 """Name of the table of the headings and the workspace that are required."""
 
+WORKSPACE_SIZES = tuple(key for shape in WorkspaceShape for key in shape.section.sizes)
+"""Keys of the sizes of all shapes of a workspace in that table."""
+
 WORKSPACE_KEYS = (
-    "theta_min_rad", "theta_max_rad", "shape", "diameter_m", "height_m", "size_x_m", "size_y_m",
-    "size_z_m", "center_x_m", "center_y_m", "center_z_m",
+    "theta_min_rad", "theta_max_rad", "shape", *WORKSPACE_SIZES,
+    "center_x_m", "center_y_m", "center_z_m",
 )  # fmt: skip
 """Keys of that table."""
 

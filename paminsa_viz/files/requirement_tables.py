@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from paminsa_viz.errors import InvalidInput, name_hint
-from paminsa_viz.files.design_schema import REQUIREMENTS, WORKSPACE, unit_suffix
+from paminsa_viz.files.design_schema import REQUIREMENTS, WORKSPACE, WORKSPACE_SIZES, unit_suffix
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
@@ -40,10 +40,6 @@ Refuse = Callable[[str, object, str], DesignFileError]
 _THETA = ("theta_min_rad", "theta_max_rad")
 _Z = ("z_min_m", "z_max_m")
 _CENTER = ("center_x_m", "center_y_m", "center_z_m")
-_SIZES = {
-    WorkspaceShape.CYLINDER: ("diameter_m", "height_m"),
-    WorkspaceShape.BOX: ("size_x_m", "size_y_m", "size_z_m"),
-}
 
 
 def bound_keys(entry: Quantity) -> tuple[str, str]:
@@ -112,18 +108,17 @@ def _workspace(table: Mapping[str, Any], refuse: Refuse) -> Workspace | None:
             raise refuse(f"{WORKSPACE}.{alone[0]}", table[alone[0]], "shape is needed with it")
         return None
     shape = WorkspaceShape(table["shape"])
-    for other, names in _SIZES.items():
-        for name in names:
-            if (name in table) is not (other is shape):
-                problem = f"a {shape.value} has {', '.join(_SIZES[shape])}"
-                raise refuse(f"{WORKSPACE}.shape", table["shape"], problem)
-    for name in _SIZES[shape]:
+    needed = shape.section.sizes
+    for name in WORKSPACE_SIZES:
+        if (name in table) is not (name in needed):
+            problem = f"a {shape.value} has {', '.join(needed)}"
+            raise refuse(f"{WORKSPACE}.shape", table["shape"], problem)
+    for name in needed:
         if not table[name] > 0.0:
             raise refuse(f"{WORKSPACE}.{name}", table[name], "a number above 0 is needed")
-    sizes = [float(table[name]) for name in _SIZES[shape]]
-    x, y, z = sizes if len(sizes) == 3 else (sizes[0], sizes[0], sizes[1])
+    size = shape.section.size(*(float(table[name]) for name in needed))
     first, second, third = (table.get(name) for name in _CENTER)
-    return Workspace(shape, (x, y, z), (first, second, third))
+    return Workspace(shape, size, (first, second, third))
 
 
 def requirements_rows(requirements: Requirements) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -137,10 +132,10 @@ def requirements_rows(requirements: Requirements) -> list[tuple[str, list[tuple[
     ]
     if (workspace := requirements.workspace) is not None:
         rows.append((f'shape = "{workspace.shape.value}"', "of the required workspace"))
-        size = workspace.size[1:] if workspace.shape is WorkspaceShape.CYLINDER else workspace.size
+        section = workspace.shape.section
         rows += [
             (f"{name} = {extent!r}", "extent of the workspace")
-            for name, extent in zip(_SIZES[workspace.shape], size, strict=True)
+            for name, extent in zip(section.sizes, section.given(workspace.size), strict=True)
         ]
         rows += [
             (f"{name} = {place!r}", "its center; left out, it is free")

@@ -20,7 +20,6 @@ from paminsa_viz.quantities.requirements import (
     Requirement,
     Requirements,
     Workspace,
-    WorkspaceShape,
 )
 from paminsa_viz.units import MM, DisplayUnit, display_unit, format_value, number
 
@@ -221,9 +220,7 @@ def _refuse(text: str, problem: str) -> NoReturn:
 def shape_text(workspace: Workspace) -> str:
     """Return the shape and sizes of a workspace for people: ``cylinder ⌀ 300 × 400 mm``."""
     x, y, z = (number(MM * extent) for extent in workspace.size)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        return f"cylinder ⌀ {x} × {z} mm"
-    return f"box {x} × {y} × {z} mm"
+    return f"{workspace.shape.section.text(x, y, z)} mm"
 
 
 def headings_text(requirements: Requirements, digits: int = 4) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from numbers import Real
 from typing import Any
 
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.checks import check_fields, require_each
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.workspace_shapes import WorkspaceShape
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.registry import find
 
@@ -74,13 +74,6 @@ class Requirement:
         return np.minimum(sides[0], sides[-1])
 
 
-class WorkspaceShape(Enum):
-    """Shape of a regular workspace; its axis is vertical."""
-
-    CYLINDER = "cylinder"
-    BOX = "box"
-
-
 @dataclass(frozen=True)
 class Workspace:
     """A regular workspace of the platform's center P.
@@ -107,8 +100,8 @@ class Workspace:
         if not _are_finite([0.0 if place is None else place for place in self.center], 3):
             problem = f"three finite numbers are needed, not {self.center}"
             raise InvalidInput("workspace.center", problem)
-        if self.shape is WorkspaceShape.CYLINDER and self.size[0] != self.size[1]:
-            raise InvalidInput("workspace.size", "a cylinder has one diameter along x and y")
+        if self.size != self.shape.section.fitted(self.size):
+            raise InvalidInput("workspace.size", self.shape.section.rule)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
 from paminsa_viz.synthesis.volume.margins import heading_margins
 from paminsa_viz.synthesis.volume.measure import Nodes
-from paminsa_viz.synthesis.volume.reach import ReachBounds, _on_arc, reach_bounds
+from paminsa_viz.synthesis.volume.reach import ReachBounds, reach_bounds
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.workspace import Samples, least_within, reach_items, worst_over
 from tests.synthesis.robots import needs
@@ -298,15 +298,6 @@ def test_nodes_on_the_rim_of_a_disc_count_to_a_billionth_of_a_step() -> None:
 
 
 # ---------------------------------------------------------------- headings
-
-
-def test_headings_on_an_arc_are_those_to_a_billionth_of_a_radian_beyond_its_ends() -> None:
-    theta = (0.3, 1.1)
-    for end, way in zip(theta, (-1.0, 1.0), strict=True):
-        beyond = end + way * np.array([-0.1, -2.5e-9, 0.0, 0.95e-9, 1.05e-9, 2.5e-9, 0.1])
-        for turns in (-2.0, 0.0, 1.0):
-            found = _on_arc(beyond + 2.0 * np.pi * turns, theta)
-            assert found.tolist() == [True] * 4 + [False] * 3
 
 
 def test_of_several_positions_the_one_nearest_to_the_circle_is_named() -> None:

@@ -18,7 +18,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import WorkClock
 from paminsa_viz.model.resizing import turn_length
 from paminsa_viz.progress import Progress, go_on
-from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.proof.families import SLACK, BoundGroup, Symmetry, symmetry
 from paminsa_viz.synthesis.proof.regions import Grows, PoseRegion
 
@@ -61,11 +60,10 @@ class Gauge:
 
     def _of(self, away: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            if self.region.shape is WorkspaceShape.CYLINDER:
-                plan = np.hypot(away[:, 0], away[:, 1])
-                away = np.column_stack([plan, plan, away[:, 2]])
-            share = np.where(away == 0.0, 0.0, away / self.region.half)
-        share = np.where(self.grows, share, np.where(share > 1.0 + _ROUND, np.inf, 0.0))
+            plan = self.region.shape.section.gauge_squared(away[:, 0], away[:, 1], self.region.half)
+            share = np.column_stack([np.sqrt(plan), away[:, 2] / self.region.half[2]])
+        share = np.where(np.isnan(share), 0.0, share)  # nothing of an extent of zero
+        share = np.where(self.grows[1:], share, np.where(share > 1.0 + _ROUND, np.inf, 0.0))
         return share.max(axis=1)
 
 

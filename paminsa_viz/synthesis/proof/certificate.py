@@ -19,7 +19,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on
-from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge, Nearest, nearest_violation
 from paminsa_viz.synthesis.proof.evidence import (
     Evidence,
@@ -201,11 +201,7 @@ def _near(
     poses, margins = [], []
     for step in 0.25 * 0.5 ** np.arange(_ROUNDS):
         away = pose[:2] - center[:2] + step * half[:2] * square
-        if part.shape is WorkspaceShape.CYLINDER:
-            radius = np.hypot(*away.T)[:, None]
-            away *= np.minimum(1.0, half[0] / np.maximum(radius, 1e-300))
-        else:
-            away = np.clip(away, -half[:2], half[:2])
+        away = part.shape.section.clipped(away, half[:2])
         theta = np.unique(np.clip(pose[2] + 0.5 * step * (high - low) * unit, low, high))
         z = np.unique(np.clip(pose[3] + step * half[2] * unit, part.low[2], part.high[2]))
         samples = Samples(center[:2] + away, z)

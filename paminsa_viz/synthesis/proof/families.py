@@ -20,7 +20,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.quantities.requirements import Range, Requirement, Requirements, WorkspaceShape
+from paminsa_viz.quantities.requirements import Range, Requirement, Requirements
 from paminsa_viz.synthesis.proof.enclosures import (
     condition_bounds,
     determinant_bounds,
@@ -235,5 +235,5 @@ def symmetry(group: BoundGroup, region: PoseRegion) -> Symmetry:
         return NONE
     x, y, _ = region.center
     low, high = group.theta
-    round_ = region.shape is WorkspaceShape.CYLINDER
-    return Symmetry(round_ and x == 0.0 and y == 0.0, x == 0.0 and low == -high and high > 0.0)
+    third = region.shape.section.threefold and x == 0.0 and y == 0.0
+    return Symmetry(third, x == 0.0 and low == -high and high > 0.0)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.resizing import plain_decimals
-from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
 from paminsa_viz.synthesis.proof.evidence import reach_scale
 from paminsa_viz.synthesis.proof.families import groups
@@ -161,11 +161,10 @@ class CenterSearch:
         scales = []
         x, y, z = self._broken.T
         half, grows = self._region.half, self._grows
-        cylinder = self._region.shape is WorkspaceShape.CYLINDER
+        gauge = self._region.shape.section.gauge_squared
         for part in np.array_split(centers, 1 + len(centers) * len(self._broken) // 200_000):
             u, v, w = part.T[..., None]
-            along_x, along_y = ((x - u) / half[0]) ** 2, ((y - v) / half[1]) ** 2
-            plan = along_x + along_y if cylinder else np.maximum(along_x, along_y)
+            plan = gauge(x - u, y - v, half)
             height = ((z - w) / half[2]) ** 2
             if grows[0] and grows[2]:
                 square = np.maximum(plan, height)

@@ -31,7 +31,7 @@ ROUND = 2.0**-44
 Point = tuple[float, float, float]
 
 Grows = tuple[bool, bool, bool]
-"""Which extents of a region along (x, y, z) grow."""
+"""Which extents of a region along (x, y, z) grow; those along x and y do so together."""
 
 
 class Growth(Enum):
@@ -84,10 +84,7 @@ class PoseRegion:
     @property
     def farthest(self) -> float:
         """Largest distance from the vertical axis through the base center [m]."""
-        x, y, _ = self.center
-        if self.shape is WorkspaceShape.CYLINDER:
-            return math.hypot(x, y) + self.half[0]
-        return math.hypot(abs(x) + self.half[0], abs(y) + self.half[1])
+        return self.shape.section.farthest(self.center[:2], self.half)
 
     def leg_distances(self, geometry: Geometry) -> tuple[Array, Array]:
         """Return the least and the largest X_1 of each leg, each (3,) [m]."""
@@ -176,12 +173,10 @@ SEED = 15
 def from_unit(region: PoseRegion, unit: Array) -> Array:
     """Return poses of a region, (n, 4), from numbers between -1 and 1, (n, 4).
 
-    For a cylinder the first two are moved into the unit disc, along the line from its center.
+    Where the region is no box, the first two are moved into it.
     """
     share = np.clip(unit, -1.0, 1.0)
-    plan = share[:, :2]
-    if region.shape is WorkspaceShape.CYLINDER:
-        plan = plan / np.maximum(1.0, np.hypot(*plan.T))[:, None]
+    plan = region.shape.section.clipped(share[:, :2], (1.0, 1.0))
     x, y, z = region.center
     low, high = region.theta
     return np.column_stack(

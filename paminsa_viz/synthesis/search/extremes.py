@@ -21,7 +21,7 @@ from paminsa_viz.elastostatics import first_frequencies, platform_stiffness
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress, go_on, keep_on
-from paminsa_viz.quantities.requirements import Range, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis.search.region import SPARSE, Density, center, sample
 from paminsa_viz.synthesis.volume.margins import Columns
 
@@ -113,22 +113,15 @@ class Extent:
         """Return poses anywhere, evenly distributed over the volume (count, 4)."""
         rng = np.random.default_rng(seed)
         share = rng.uniform(-0.5, 0.5, (count, 3))
-        if self.workspace.shape is WorkspaceShape.CYLINDER:
-            angle, radius = rng.uniform(0, 2 * np.pi, count), 0.5 * np.sqrt(rng.uniform(size=count))
-            share[:, 0], share[:, 1] = radius * np.cos(angle), radius * np.sin(angle)
-        xy = center(self.workspace) + share[:, :2] * self.workspace.size[:2]
+        flat = self.workspace.shape.section.spread(share[:, :2])
+        xy = center(self.workspace) + flat * self.workspace.size[:2]
         z = 0.5 * sum(self.heights) + share[:, 2] * self.workspace.size[2]
         return np.column_stack([xy, rng.uniform(*self.theta, count), z])
 
     def clipped(self, pose: Array) -> Array:
         """Return the poses, those outside moved to the boundary (..., 4)."""
         middle, half = center(self.workspace), 0.5 * np.array(self.workspace.size[:2])
-        away = pose[..., :2] - middle
-        if self.workspace.shape is WorkspaceShape.CYLINDER:
-            radius = np.linalg.norm(away, axis=-1, keepdims=True)
-            away = away * np.minimum(1.0, half[0] / np.maximum(radius, 1e-300))
-        else:
-            away = np.clip(away, -half, half)
+        away = self.workspace.shape.section.clipped(pose[..., :2] - middle, half)
         theta = np.clip(pose[..., 2:3], *self.theta)
         return np.concatenate([middle + away, theta, np.clip(pose[..., 3:], *self.heights)], -1)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -13,7 +12,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.statics import BODIES
-from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import Workspace
 from paminsa_viz.synthesis.masses.program import InnerSolution
 from paminsa_viz.units import DisplayUnit, display_unit
 
@@ -102,7 +101,7 @@ def _of_motions(trial: Trial, key: str) -> float:
 
 def _volume(trial: Trial) -> float:
     x, y, z = trial.workspace.size
-    return x * y * z * (math.pi / 4 if trial.workspace.shape is WorkspaceShape.CYLINDER else 1.0)
+    return x * y * z * trial.workspace.shape.section.fill
 
 
 OBJECTIVES: dict[str, Objective] = {

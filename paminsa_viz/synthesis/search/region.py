@@ -17,8 +17,8 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.geometry import Geometry
-from paminsa_viz.quantities.requirements import Range, Workspace, WorkspaceShape
-from paminsa_viz.synthesis.volume.reach import SIGNS, leg_distances
+from paminsa_viz.quantities.requirements import Range, Workspace
+from paminsa_viz.synthesis.volume.reach import leg_distances
 
 
 class Spans(NamedTuple):
@@ -40,45 +40,32 @@ class Spans(NamedTuple):
         return np.stack([near, np.hypot(wide * self.rho_most, self.zeta_most)], axis=-1)
 
 
-def corners(workspace: Workspace) -> Array:
-    """Return the corners of a box in the horizontal plane, from its center (4, 2) [m]."""
-    return 0.5 * SIGNS * np.array(workspace.size[:2])
-
-
 def center(workspace: Workspace) -> Array:
     """Return the center in the horizontal plane (2,) [m]."""
     x, y, _ = workspace.center
     return np.array([x or 0.0, y or 0.0])
 
 
+def half_extents(workspace: Workspace) -> Array:
+    """Return the half extents in the horizontal plane (2,) [m]."""
+    return 0.5 * np.array(workspace.size[:2])
+
+
 def farthest(workspace: Workspace) -> float:
     """Return the largest distance of the workspace from the z-axis [m]."""
-    middle = center(workspace)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        return float(np.hypot(*middle)) + 0.5 * workspace.size[0]
-    return float(np.hypot(*(corners(workspace) + middle).T).max())
+    return workspace.shape.section.farthest(center(workspace), half_extents(workspace))
 
 
 def extent(workspace: Workspace, direction: Array) -> float:
     """Return how far the workspace extends along a horizontal unit vector (2,), from z [m]."""
-    middle = float(center(workspace) @ direction)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        return middle + 0.5 * workspace.size[0]
-    return middle + float((corners(workspace) @ direction).max())
+    beyond = workspace.shape.section.extent(half_extents(workspace), direction)
+    return float(center(workspace) @ direction) + beyond
 
 
 def ray(workspace: Workspace, direction: Array) -> float:
     """Return how far from the z-axis a horizontal ray leaves the workspace [m], 0 if outside."""
-    middle = center(workspace)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        along = float(middle @ direction)
-        inside = (0.5 * workspace.size[0]) ** 2 - float(middle @ middle)
-        return along + float(np.sqrt(along**2 + inside)) if inside >= 0 else 0.0
-    half = 0.5 * np.array(workspace.size[:2])
-    if (np.abs(middle) > half).any():
-        return 0.0
-    with np.errstate(divide="ignore"):
-        return float(((half + np.sign(direction) * middle) / np.abs(direction)).min())
+    section = workspace.shape.section
+    return section.ray(center(workspace), half_extents(workspace), direction)
 
 
 def spans(geometries: Sequence[Geometry], workspaces: Sequence[Workspace], theta: Range) -> Spans:
@@ -207,27 +194,14 @@ def sample(
             of a cylinder about the z-axis then has all values, and so has one half of the headings
             if they are the same to both sides.
     """
-    centered = not center(workspace).any()
-    cylinder = workspace.shape is WorkspaceShape.CYLINDER
-    third = alike and centered and cylinder
+    centered, section = not center(workspace).any(), workspace.shape.section
+    third = alike and centered and section.threefold
     mirrored = alike and workspace.center[0] == 0.0 and theta[0] == -theta[1]
 
-    def ring(count: int) -> Array:
-        if cylinder:
-            angle = np.arange(count if third else 3 * count) * (2 * np.pi / (3 * count))
-            # legs stand at -30, 90 and 210 degrees: the extremes are about there
-            angle = angle + np.pi / 2
-            return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        along = np.linspace(-1.0, 1.0, max(2, (3 * count) // 4 + 1))[:-1]
-        ones = np.ones_like(along)
-        sides = [(along, -ones), (ones, along), (-along, ones), (-ones, -along)]
-        return np.concatenate([np.stack(side, axis=-1) for side in sides])
-
-    inner = [
-        share * ring(max(1, density.around // 2))
-        for share in np.linspace(1.0, 0.0, density.rings)[1:-1]
-    ]
-    within = np.concatenate([ring(density.around), *inner, np.zeros((1, 2))])
+    outer = section.ring(density.around, third=third)
+    half = section.ring(max(1, density.around // 2), third=third)
+    inner = [share * half for share in np.linspace(1.0, 0.0, density.rings)[1:-1]]
+    within = np.concatenate([outer, *inner, np.zeros((1, 2))])
     low = 0.0 if mirrored else theta[0]
     turns = max(2, (density.theta + 1) // 2) if mirrored else density.theta
     angles = np.linspace(low, theta[1], turns) if theta[1] > low else np.array([low])

@@ -20,17 +20,10 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import MARGINS, Limit
-from paminsa_viz.quantities.requirements import Range, Requirement, WorkspaceShape
-
-TURN = 2.0 * np.pi
-
-_LONGER = 1e-9
-"""By how much an arc is taken longer at both ends when it is looked for an extreme [rad]."""
+from paminsa_viz.model.workspace_shapes import TURN, WorkspaceShape
+from paminsa_viz.quantities.requirements import Range, Requirement
 
 _GUIDE = MARGINS.index(Limit.GUIDE)
-
-SIGNS = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
-"""Corners of a square."""
 
 
 def contains(low: ArrayLike, high: ArrayLike, angle: float) -> NDArray[np.bool_]:
@@ -182,62 +175,5 @@ def leg_distances(
     # its center.
     g = center - rb * LEG_AXES  # (n, 3, 2)
     alpha = np.arctan2(LEG_AXES[:, 1], LEG_AXES[:, 0])[:, None]
-    if shape is WorkspaceShape.CYLINDER:
-        radius = half[:, :1, None]
-        far = _distance(g[:, :, None], rp, alpha, theta, largest=True) + radius
-        near = _distance(g[:, :, None], rp, alpha, theta, largest=False) - radius
-    else:
-        at_corners = g[:, :, None] + SIGNS * half[:, None, None, :2]
-        far = _distance(at_corners, rp, alpha, theta, largest=True)
-        near = _from_box(g, rp, alpha, theta, half[:, :2])
-    return np.maximum(near[..., 0], 0.0), far.max(axis=-1)
-
-
-def _distance(g: Array, radius: Array, alpha: Array, theta: Range, *, largest: bool) -> Array:
-    """Return extremes of |g + radius (cos, sin)(alpha + theta)| over theta (n, 3, p).
-
-    Of vectors g (n, 3, p, 2).
-    """
-    angle = np.arctan2(g[..., 1], g[..., 0]) + (0.0 if largest else np.pi)
-    inside = _on_arc(angle - alpha, theta)
-    length = np.hypot(g[..., 0], g[..., 1])
-    ends = np.stack([_at(g, radius, alpha + end) for end in theta])
-    if largest:
-        return np.where(inside, length + radius, ends.max(axis=0))
-    return np.where(inside, np.abs(length - radius), ends.min(axis=0))
-
-
-def _on_arc(angle: Array, theta: Range) -> NDArray[np.bool_]:
-    """Return which angles are in a range, which rounding may not make shorter, to whole turns."""
-    return (angle - theta[0] + _LONGER) % TURN <= theta[1] - theta[0] + 2.0 * _LONGER
-
-
-def _at(g: Array, radius: Array, angle: Array) -> Array:
-    return np.hypot(g[..., 0] + radius * np.cos(angle), g[..., 1] + radius * np.sin(angle))
-
-
-def _from_box(g: Array, radius: Array, alpha: Array, theta: Range, half: Array) -> Array:
-    """Return the least distances of arcs -(g + radius (cos, sin)(alpha + theta)) from a box.
-
-    Of vectors g (n, 3, 2) and boxes of half-widths (n, 2) about the origin; (n, 3, 1). It is at an
-    end of the arc, nearest to a corner, where the arc is parallel to a side, or zero where it
-    crosses a side.
-    """
-    n = len(g)
-    toward = g[:, :, None] + SIGNS * half[:, None, None]
-    nearest = np.arctan2(-toward[..., 1], -toward[..., 0])
-    parallel = np.broadcast_to(0.5 * np.pi * np.arange(4), (n, 3, 4))
-    sides = np.array([1.0, -1.0])
-    with np.errstate(invalid="ignore"):
-        x = np.arccos((sides * half[:, :1, None] - g[..., :1]) / radius)
-        y = np.arcsin((sides * half[:, 1:, None] - g[..., 1:]) / radius)
-    crossing = np.concatenate([x, -x, y, np.pi - y], axis=-1)
-    angles = np.concatenate([nearest, parallel, crossing], axis=-1)
-    inside = _on_arc(angles - alpha, theta)
-    ends = np.broadcast_to(alpha + np.array(theta), (n, 3, 2))
-    angles = np.concatenate([np.where(inside, angles, ends[..., :1]), ends], axis=-1)
-    px = np.abs(g[..., :1] + radius * np.cos(angles)) - half[:, None, :1]
-    py = np.abs(g[..., 1:] + radius * np.sin(angles)) - half[:, None, 1:]
-    away = np.hypot(np.maximum(px, 0.0), np.maximum(py, 0.0))
-    # On a crossing rounding decides over inside or outside.
-    return np.where(away < 1e-12, 0.0, away).min(axis=-1, keepdims=True)
+    near, far = shape.section.arc_distances(g, rp, alpha, theta, half)
+    return np.maximum(near, 0.0), far

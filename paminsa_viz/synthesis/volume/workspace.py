@@ -17,7 +17,6 @@ from paminsa_viz.quantities.requirements import (
     Requirement,
     Requirements,
     Workspace,
-    WorkspaceShape,
 )
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE
 from paminsa_viz.synthesis.volume.margins import ColumnField, Columns, headings, solve_columns
@@ -25,9 +24,6 @@ from paminsa_viz.synthesis.volume.reach import reach_bounds
 from paminsa_viz.synthesis.volume.solve import Volume
 
 Center = tuple[float, float, float]
-
-DIRECTIONS = 12
-"""Directions of samples on the innermost ring; the legs' own are among them."""
 
 FINER = 4
 """How many times closer the headings of a fine check of a workspace lie than those of a volume."""
@@ -64,16 +60,7 @@ def sample_workspace(workspace: Workspace, center: Center, density: int) -> Samp
         density: Samples from the center to the boundary.
     """
     x, y, height = (0.5 * extent for extent in workspace.size)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        rings = []
-        for radius in np.linspace(0.0, x, density + 1)[1:]:
-            count = DIRECTIONS * max(1, round(density * radius / x / 2))
-            angle = np.radians(30.0) + 2.0 * np.pi * np.arange(count) / count
-            rings.append(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
-        flat = np.concatenate([np.zeros((1, 2)), *rings])
-    else:
-        side = np.linspace(-1.0, 1.0, 2 * density + 1)
-        flat = np.stack(np.meshgrid(x * side, y * side, indexing="ij"), axis=-1).reshape(-1, 2)
+    flat = workspace.shape.section.filled(density, (x, y))
     z = center[2] + height * np.linspace(-1.0, 1.0, 2 * density + 1)
     return Samples(flat + np.array(center[:2]), z)
 
@@ -154,16 +141,14 @@ def least_within(values: Array, workspace: Workspace, volume: Volume) -> Array:
     rows, columns, heights = candidates
     found = found[..., heights]
     offset = [step * np.arange(-count, count + 1) for count in reach[:2]]
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        disc = np.hypot(offset[0][:, None], offset[1]) <= 0.5 * workspace.size[0] + 1e-9 * step
-    else:
-        disc = np.ones((len(offset[0]), len(offset[1])), np.bool_)
+    half = 0.5 * np.array(workspace.size[:2]) + 1e-9 * step
+    section = workspace.shape.section.on_nodes(offset[0], offset[1], half)
     if len(rows) > 1 or len(columns) > 1:
         found = ndimage.minimum_filter(
-            found, footprint=disc[..., None], mode="constant", cval=-np.inf
+            found, footprint=section[..., None], mode="constant", cval=-np.inf
         )
         return found[np.ix_(rows, columns)]
-    i, j = np.nonzero(disc)
+    i, j = np.nonzero(section)
     i, j = i + rows[0] - reach[0], j + columns[0] - reach[1]
     held = (i >= 0) & (i < len(volume.x)) & (j >= 0) & (j < len(volume.y))
     if not held.all():

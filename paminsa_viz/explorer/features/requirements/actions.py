@@ -267,17 +267,15 @@ def choose_shape(state: State, shape: WorkspaceShape | None) -> State:
     state = with_headings(state)
     if held is None:
         held = default_workspace(state.document)
-    x, y, height = held.size
-    size = (x, x if shape is WorkspaceShape.CYLINDER else y, height)
+    size = shape.section.fitted(held.size)
     return change(state, workspace=replace(held, shape=shape, size=size))
 
 
 def proportions(document: Document, shape: WorkspaceShape, free: bool) -> Workspace:
     """Return the workspace that gives the proportions and, unless it is free, the center."""
     held = document.requirements.workspace or default_workspace(document)
-    x, y, z = held.size
     center: Any = (None, None, None) if free else held.center
-    return Workspace(shape, (x, x if shape is WorkspaceShape.CYLINDER else y, z), center)
+    return Workspace(shape, shape.section.fitted(held.size), center)
 
 
 def largest_job(state: State) -> LargestJob:

@@ -10,7 +10,6 @@ import numpy as np
 from paminsa_viz import palette
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import placed_workspace
-from paminsa_viz.explorer.scene.curves import circles
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
 from paminsa_viz.explorer.state.requirements import VolumeResult
 from paminsa_viz.kept import kept
@@ -18,8 +17,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
 
 OPACITY: Final = 0.4
-CORNERS: Final = 64
-"""Points around a cylinder."""
 
 Place = tuple[float, float, float]
 
@@ -60,12 +57,7 @@ def proven_workspace(frame: Frame) -> Iterator[Node]:
 
 def outline(shape: WorkspaceShape, size: Place, center: Place) -> list[Array]:
     """Return the edges of a workspace as lines (n, 3) [m]."""
-    if shape is WorkspaceShape.BOX:
-        around = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)], np.float64)
-        uprights = slice(0, 4)
-    else:
-        around = circles(1.0, CORNERS)
-        uprights = slice(0, CORNERS, CORNERS // 8)
+    around, uprights = shape.section.edge()
     low, high = (
         np.hstack([around, np.full((len(around), 1), side)]) * np.array(size) / 2 + center
         for side in (-1.0, 1.0)

@@ -14,7 +14,7 @@ from paminsa_viz.model.grids import Grid, solve_field
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.quantity import Quantity
-from paminsa_viz.quantities.requirements import Range, Requirement, Workspace, WorkspaceShape
+from paminsa_viz.quantities.requirements import Range, Requirement, Workspace
 
 SPARE = 1.1
 """How far a suggested bound is beyond what a few poses need."""
@@ -36,9 +36,9 @@ def sampled(
     )
     grid = Grid.over(home, theta=np.linspace(*theta, 3), z=z, y=y, x=x)
     field = solve_field(design.geometry, grid)
-    inside = np.ones((y.size, x.size), dtype=bool)
-    if workspace.shape is WorkspaceShape.CYLINDER:
-        inside = np.hypot(x - place[0], (y - place[1])[:, None]) <= workspace.size[0] / 2 + 1e-9
+    half = (workspace.size[0] / 2, workspace.size[1] / 2)
+    away = x - place[0], (y - place[1])[:, None]
+    inside = workspace.shape.section.gauge_squared(*away, half) <= 1.0 + 1e-9
     return {q.key: np.where(inside, q.over(field, design), np.nan).ravel() for q in quantities}
 
 

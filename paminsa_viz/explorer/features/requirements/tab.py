@@ -32,7 +32,7 @@ from paminsa_viz.explorer.state.state import State
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 
 SHAPES: dict[str, WorkspaceShape | None] = {
-    "none": None, "cylinder": WorkspaceShape.CYLINDER, "box": WorkspaceShape.BOX,
+    "none": None, **{shape.value: shape for shape in WorkspaceShape}
 }  # fmt: skip
 
 NOWHERE = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, 0.0))
