@@ -65,7 +65,8 @@ class Trace:
         suffix: What follows the panel's source where traces of several panels share axes:
             ``"reference"`` in ``"M1 reference"``; None if its own label does there as well.
         marks: Whether its values are drawn as marks; between them it has none.
-        peak: Time [s] and value of a marked point, the largest in size; None for none.
+        peak: Time [s] and value of a marked point, the largest in size, of a clearance the
+            least; None for none.
         band: RMS, drawn as a band to both sides of zero; None for none.
     """
 

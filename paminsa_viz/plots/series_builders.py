@@ -171,7 +171,7 @@ def clearance_panels(sources: SeriesSources) -> Iterator[SeriesPanel]:
     notes = ()
     if peak is not None:
         text = f"{format_value(found.distance, 'm', 3)} at {format_value(found.t, 's', 3)}"
-        notes = ((f"{text}: {found.names[0]} and {found.names[1]}", MUTED),)
+        notes = ((text, MUTED), (f"{found.names[0]} and {found.names[1]}", MUTED))
     least = Trace("least", spread(found.least), INK, width=1.3, peak=peak)
     yield SeriesPanel("Least clearance", "all", "d", "m", INK, (least,), notes)
     traces = tuple(

@@ -351,7 +351,8 @@ def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
             colors[trace.label] = color
     traces = [trace for panel in data.panels for trace in panel.traces]
     if any(trace.peak for trace in traces):
-        found["largest in size"] = Line2D([], [], mec=INK, **RING)
+        marked = "least" if data.kind == "clearance" else "largest in size"
+        found[marked] = Line2D([], [], mec=INK, **RING)
     if any(trace.band is not None for trace in traces):
         found["± RMS"] = Patch(fc=MUTED, alpha=0.2, ec="none")
     failures = series_text.failures(data)

@@ -271,6 +271,21 @@ def few_panels(analysis):
 
 
 @pytest.mark.slow
+def test_the_ring_of_a_clearance_is_its_least_value_with_words_that_can_be_read(
+    few_panels,
+) -> None:
+    (trace,) = few_panels.panels[0].traces
+    assert trace.peak[1] == np.nanmin(trace.values)
+    with drawing():
+        figure = draw_series(few_panels, 85.0, 60.0, few_panels.title, "")
+    entries = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "least" in entries
+    assert "largest in size" not in entries
+    small = 5.5  # points, of notes of a figure that is a column wide
+    assert [note.get_fontsize() for note in figure.axes[0].texts] == [small, small]
+
+
+@pytest.mark.slow
 def test_a_figure_is_drawn_once_to_be_saved(few_panels, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[Figure] = []
     draw = Figure.draw

@@ -292,7 +292,8 @@ def test_clearance_is_drawn_between_the_samples_where_the_robot_can_be(analysis,
     np.testing.assert_allclose(least.values[outside], of_all[outside], atol=1e-12)
     assert least.peak == (found.t, found.distance)
     text = f"{format_value(found.distance, 'm', 3)} at {format_value(found.t, 's', 3)}"
-    assert all_pairs.notes[0][0] == f"{text}: {found.names[0]} and {found.names[1]}"
+    bodies = f"{found.names[0]} and {found.names[1]}"
+    assert [words for words, _ in all_pairs.notes] == [text, bodies]
     assert [trace.label for trace in by_pairs.traces] == [group.value for group in found.groups]
     assert len({trace.color for trace in by_pairs.traces}) == len(by_pairs.traces)
     not_yet = SeriesSources(analysis, clearance=unknown_clearance(analysis))
