@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from paminsa_viz.balancing.changes import AMOUNTS, Changes, MassRange, mass_space
+from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.balancing.terms import (
     MP2,
     StaticPeak,
     StaticRms,
-    Term,
     TrajectoryPeak,
     TrajectoryRms,
 )
@@ -24,6 +24,7 @@ from paminsa_viz.model.design import MECHANISM_PATHS, PARAMETER, Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.trajectory.sampled import Trajectory
 from paminsa_viz.trajectory.solved import solve_trajectory
 
@@ -112,6 +113,7 @@ def tornado(
     *,
     change: float = 0.05,
     paths: Sequence[str] = MASSES + LENGTHS,
+    progress: Progress = go_on,
 ) -> Tornado:
     """Change each mass and each length by itself.
 
@@ -121,8 +123,10 @@ def tornado(
         trajectory: Motion for the dynamic ones; without it they are NaN.
         change: Relative change to both sides, for the ends of the bars.
         paths: Values to change; counterweights' masses are added to them.
+        progress: Called before each length, for which all is solved again; may end the work.
 
     Raises:
+        Canceled: If ``progress`` ends it.
         InvalidInput: If the change is not between 0 and 1, a path is no mass or length, or the
             design itself can take no pose of the grid.
     """
@@ -133,23 +137,33 @@ def tornado(
         if path not in MASSES + LENGTHS:
             raise InvalidInput(path, "this is neither a mass nor a length of the design")
     field = solve_field(design.geometry, grid)
-    outputs, state = _outputs(design, field, trajectory)
+    moving = _in_motion(design, trajectory)
+    outputs, state = _outputs(design, field, moving)
     masses = [path for path in paths if path in MASSES] + list(weights)
     bars = _mass_bars(design, outputs, state, change, masses)
-    bars += [_length_bar(design, field, trajectory, change, p) for p in paths if p in LENGTHS]
+    lengths = [path for path in paths if path in LENGTHS]
+    for done, path in enumerate(lengths):
+        keep_on(progress, done / len(lengths))
+        bars.append(_length_bar(design, field, moving, trajectory, change, path))
     return Tornado(design, change, outputs(state), tuple(bars))
 
 
+def _in_motion(design: Design, trajectory: Trajectory | None) -> list[ConvexTerm]:
+    """Return the outputs on a motion as functions of a state; none without one."""
+    if trajectory is None:
+        return []
+    space = mass_space(design, Changes())
+    solved = solve_trajectory(design.geometry, trajectory, gravity=design.gravity)
+    return [term.convex_term(space) for term in (TrajectoryPeak(solved), TrajectoryRms(solved))]
+
+
 def _outputs(
-    design: Design, field: Field, trajectory: Trajectory | None
+    design: Design, field: Field, moving: list[ConvexTerm]
 ) -> tuple[Callable[[Array], Array], Array]:
     """Return the outputs (5,) as a function of a state, and the state of the design."""
     space = mass_space(design, Changes())
-    terms: list[Term] = [StaticPeak(field), StaticRms(field)]
-    if trajectory is not None:
-        solved = solve_trajectory(design.geometry, trajectory, gravity=design.gravity)
-        terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
-    functions = [term.convex_term(space) for term in terms]
+    at_rest = [term.convex_term(space) for term in (StaticPeak(field), StaticRms(field))]
+    functions = at_rest + moving
 
     def outputs(state: Array) -> Array:
         found = [state[MP2]] + [function.value(state) for function in functions]
@@ -179,24 +193,33 @@ def _mass_bars(
 
 
 def _length_bar(
-    design: Design, field: Field, trajectory: Trajectory | None, change: float, path: str
+    design: Design,
+    field: Field,
+    moving: list[ConvexTerm],
+    trajectory: Trajectory | None,
+    change: float,
+    path: str,
 ) -> TornadoBar:
-    """Lengths: the geometry is solved again for each variant; masses stay as they are."""
+    """Lengths: the geometry is solved again for each variant; masses stay as they are.
+
+    ``moving`` are those of the design itself, see `_in_motion`.
+    """
     parameter, value = PARAMETER[path], design.value(path)
     nothing = np.full(len(OUTPUTS), np.nan)
     bar = partial(TornadoBar, path, parameter.symbol, parameter.unit, value)
     try:
         variants = [
             design.vary({path: value * factor})
-            for factor in (1.0, 1 - change, 1 + change, 1 - STEP, 1 + STEP)
+            for factor in (1 - change, 1 + change, 1 - STEP, 1 + STEP)
         ]
-        fields = [field, *(solve_field(v.geometry, field.grid) for v in variants[1:])]
+        fields = [field, *(solve_field(v.geometry, field.grid) for v in variants)]
         shared = np.all([found.status == Limit.OK for found in fields], axis=0)
         found = []
-        for variant, solved in zip(variants, fields, strict=True):
+        for variant, solved in zip((design, *variants), fields, strict=True):
             # poses that another variant cannot take do not count
             status = np.where(shared, solved.status, np.uint8(Limit.SINGULAR))
-            outputs, state = _outputs(variant, replace(solved, status=status), trajectory)
+            own = moving if variant is design else _in_motion(variant, trajectory)
+            outputs, state = _outputs(variant, replace(solved, status=status), own)
             found.append(outputs(state))
     except (InvalidDesign, InvalidInput) as error:
         return bar(nothing, nothing, nothing, nothing, problem=str(error))

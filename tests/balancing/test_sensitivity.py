@@ -20,6 +20,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.grids import solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.progress import Canceled
 from tests.balancing.robots import measured, trajectory, workspace
 
 pytestmark = pytest.mark.slow
@@ -81,6 +82,18 @@ def test_every_mass_and_length_has_a_bar() -> None:
     swings = [bar.swing(0) for bar in ranked]
     assert swings == sorted(swings, reverse=True)
     assert all(bar.path != "joints.j2" for bar in ranked)
+
+
+def test_each_length_is_told_and_can_end_the_work() -> None:
+    paths, told = ["joints.j9", *LENGTHS[:4]], []
+
+    def progress(done: float) -> bool:
+        told.append(done)
+        return done == 0.5
+
+    with pytest.raises(Canceled):
+        tornado(APPENDIX_4, workspace(), paths=paths, progress=progress)
+    assert told == [0.0, 0.25, 0.5]
 
 
 def test_without_a_motion_its_outputs_are_empty() -> None:

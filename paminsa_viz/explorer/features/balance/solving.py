@@ -68,7 +68,7 @@ def run(job: BalanceJob, progress: Progress) -> Balanced | MassFront | Tornado:
     if job.task is BalanceKind.FRONT:
         return _front(job, progress)
     if job.task is BalanceKind.SENSITIVITY:
-        return _tornado(job)
+        return _tornado(job, progress)
     found = balance(job.design) if job.task is BalanceKind.PAPER else _best(job)
     after = tidied(found.after)
     return Balanced(after, found, effects_of(job, after), weights_of(job, after))
@@ -113,13 +113,13 @@ def _front(job: BalanceJob, progress: Progress) -> MassFront:
     return MassFront(found, tuple(tidied(p.design) for p in found.points))
 
 
-def _tornado(job: BalanceJob) -> Tornado:
+def _tornado(job: BalanceJob, progress: Progress) -> Tornado:
     settings, design = job.settings, job.design
     try:
         trajectory = motion(job).trajectory
     except PaminsaError:  # what it matters to the motion then has no value
         trajectory = None
-    return tornado(design, middle(job), trajectory, change=settings.variation)
+    return tornado(design, middle(job), trajectory, change=settings.variation, progress=progress)
 
 
 def middle(job: BalanceJob) -> Grid:
