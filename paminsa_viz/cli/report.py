@@ -15,6 +15,7 @@ from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_written, write_report
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.measurements import read_measurements
+from paminsa_viz.files.trajectory_table import read_waypoints
 from paminsa_viz.trajectory import MotionLimits, spline_path, time_optimal
 
 DESCRIPTION = """\
@@ -63,11 +64,13 @@ class Report(MotionFlags, PoseFlags, ComparedDesignFlags):
             raise UsageError("--max-torque belongs to --cross")
         design = self.given_design()
         pose = self.given_pose(design.geometry)
-        trajectory = self.given_motion(design.geometry)
-        if self.cross:
+        if self.cross and self.file is not None:
+            poses, _ = read_waypoints(self.file)
             limits = MotionLimits(torque=self.max_torque)
-            path = spline_path(trajectory.pose, design)
-            trajectory = time_optimal(design, path, limits, name=trajectory.name).plan.sample()
+            path = spline_path(poses, design)
+            trajectory = time_optimal(design, path, limits, name=self.file.stem).plan.sample()
+        else:
+            trajectory = self.given_motion(design.geometry)
 
         from paminsa_viz.report.request import ReportRequest
 

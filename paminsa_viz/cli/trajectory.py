@@ -24,7 +24,7 @@ from paminsa_viz.cli.trajectory_report import (
 )
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.published_table import read_published
-from paminsa_viz.files.trajectory_table import read_trajectory
+from paminsa_viz.files.trajectory_table import read_trajectory, read_waypoints
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series import FigureKind
@@ -120,7 +120,9 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     """Flags of the command."""
 
     waypoints: bool = False
-    """The rows of --file are a few waypoints: start and end at rest, smoothly through them."""
+    """The rows of --file are a few waypoints: start and end at rest, smoothly through them, at
+    their times t_s. Without that column each stretch gets time by the root of its length, in all
+    as --duration, --shortest, --stretch or --cross say; --cross takes no times."""
     printed: bool = False
     """Also work it out by the formulas as published, misprints included."""
 
@@ -319,15 +321,22 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Shortes
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
     else:
-        read = read_trajectory(flags.file)
         if not flags.waypoints:
+            read = read_trajectory(flags.file)
             return (read if flags.rate is None else read.resampled(flags.rate)), None
+        poses, times = read_waypoints(flags.file)
+        name = flags.file.stem
         if flags.cross:
-            path = spline_path(read.pose, design)
-            found = time_optimal(design, path, flags.limits, flags.duration, name=read.name)
+            path = spline_path(poses, design)
+            found = time_optimal(design, path, flags.limits, flags.duration, name=name)
             return found.plan.sample(RATE if flags.rate is None else flags.rate), None
-        # Notes of the table are about the motion of its rows, which this is not.
-        plan = via_points(read.pose, times=read.t, name=read.name)
+        timed = times is not None or flags.duration is not None
+        if not (timed or flags.shortest or flags.stretch):
+            raise UsageError(
+                f"{flags.file} has no times t_s, so that --waypoints needs --duration, --shortest "
+                f"or --stretch"
+            )
+        plan = via_points(poses, times=times, name=name)
     quickest = None
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)

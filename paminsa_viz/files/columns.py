@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from paminsa_viz.errors import TableFileError, printable
 from paminsa_viz.files.errors import shown
@@ -87,6 +87,9 @@ TRAJECTORY = TableKind(
     ),
     reads_back=True,
     whole="a motion",
+)
+WAYPOINTS = replace(
+    TRAJECTORY, name="a waypoint", needed=POSE, groups=(("time", (TIME,), ()), *TRAJECTORY.groups)
 )
 PUBLISHED = TableKind(
     "a table of torques over time", (TIME,), (("torque", TORQUES, ()),), reads_back=True

@@ -32,6 +32,7 @@ from paminsa_viz.files.columns import (
     TRAJECTORY,
     VELOCITY,
     WANTED,
+    WAYPOINTS,
     part_columns,
 )
 from paminsa_viz.files.design_schema import DRIVE_KEYS
@@ -39,6 +40,7 @@ from paminsa_viz.files.errors import shown
 from paminsa_viz.files.table_reader import TableReader, open_table
 from paminsa_viz.files.tables import DataTable, named, provenance
 from paminsa_viz.model.accuracy import equal_legs_note
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.drive import ACTUATORS as ACTUATOR_NAMES
 from paminsa_viz.model.drive import Drive
@@ -227,3 +229,21 @@ def read_trajectory(
     """
     with open_table(path) as lines:
         return parse_trajectory(lines, os.fspath(path), rest=rest, name=name)
+
+
+@kinds_checked
+def read_waypoints(path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
+    """Return poses (n, 4) and times (n,) of a CSV file of waypoints; None if it has no times.
+
+    Raises:
+        TableFileError: If the file cannot be opened or is refused.
+    """
+    with open_table(path) as lines:
+        table = TableReader(lines, WAYPOINTS, os.fspath(path))
+        first_row, values = table.read_all(MOST_SAMPLES)
+        times = values.get(TIME)
+        if times is not None:
+            table.require_increasing(TIME, times, first_row)
+        if len(values[POSE[0]]) < 2:
+            raise TableFileError(os.fspath(path), "at least two waypoints are needed")
+        return np.stack([values[name] for name in POSE], axis=1), times

@@ -30,6 +30,7 @@ from paminsa_viz.trajectory import (
     compare,
     point_to_point,
     preset_center,
+    via_points,
 )
 from tests.support import commands
 from tests.support.samples import random_design, with_knee
@@ -52,9 +53,11 @@ def numbers(table, names) -> np.ndarray:
 
 
 def write(columns: Sequence[Any]) -> str:
-    """Write times and poses as a table."""
-    rows = [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
-    Path("motion.csv").write_text("\n".join([f"t_s,{','.join(POSE)}", *rows]) + "\n")
+    """Write poses as a table, with times before them or without."""
+    rows = np.column_stack(columns).tolist()
+    head = ["t_s", *POSE][-len(rows[0]) :]
+    lines = [",".join(head), *(",".join(map(repr, row)) for row in rows)]
+    Path("motion.csv").write_text("\n".join(lines) + "\n")
     return "motion.csv"
 
 
@@ -162,8 +165,23 @@ def test_waypoints_are_passed_in_the_given_time(capsys) -> None:
     assert speed[0] == speed[-1] == pytest.approx(0.0, abs=1e-12)
 
 
+def test_waypoints_without_times_get_them_as_those_of_the_page_do(capsys) -> None:
+    poses = preset_center(APPENDIX_4.geometry) + np.array(
+        [[0, 0, 0, 0], [0.05, 0.02, 0.2, 0.03], [-0.04, 0.06, -0.1, -0.02]]
+    )
+    words = ("--file", write([poses]), "--waypoints")
+    run_json(capsys, *words, "--duration", "4", "--out", "a.csv")
+    wanted = via_points(poses, 4.0).sample().pose
+    np.testing.assert_allclose(numbers(read("a.csv"), POSE), wanted, atol=1e-12)
+    code, _, err = run(capsys, *words)
+    assert code == 2
+    assert "motion.csv has no times t_s, so that --waypoints needs --duration" in err
+    code, _, err = run(capsys, "--file", write([poses[:1]]), "--waypoints", "--duration", "4")
+    assert (code, "motion.csv: at least two waypoints are needed" in err) == (2, True)
+
+
 def test_a_singularity_is_crossed_within_the_torque_limit(capsys) -> None:
-    file = write([np.arange(2), np.array([[0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5]])])
+    file = write([np.array([[0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5]])])
     words = f"--file {file} --waypoints --cross --max-torque 10 --out a.csv".split()
     found = run_json(capsys, *words)
     assert found["trajectory"]["duration_s"] == pytest.approx(0.372, abs=1e-3)
