@@ -18,6 +18,7 @@ from paminsa_viz.model import kinematic_formulas, measures, robot
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import use_numpy
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import (
     forward_dynamics,
@@ -279,8 +280,12 @@ static inline void paminsa_set_masses(PaminsaDesign *design, const double m[PAMI
 """
 
 
+@use_numpy()
 def test_vectors(design: Design, draw: int) -> str:
     """Return the text of vectors.csv: random states, most of them within reach.
+
+    They have the bits of NumPy, as the header does, also where kernels that round otherwise are
+    loaded.
 
     Args:
         design: The robot.

@@ -12,6 +12,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ContextDecorator
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -100,18 +101,25 @@ class _Kernels:
         self.worth = WORTH_LOADING
         self.requested: dict[Formula | None, int] = {}
         self.lock = threading.Lock()
+        self.avoided = threading.local()
+        """Its ``depth`` says how many of `use_numpy` a thread is in."""
+
+    @property
+    def allowed(self) -> bool:
+        """Whether this thread may use what is compiled."""
+        return not getattr(self.avoided, "depth", 0)
 
     def pays(self, size: int, formula: Formula | None = None) -> bool:
         """Count ``size`` more poses of motions, or of a formula; whether to load its kernels."""
         work = self.requested.get(formula, 0) + max(size, LEAST_WORK)
         self.requested[formula] = work
-        return not self.deferred and work >= self.worth
+        return self.allowed and not self.deferred and work >= self.worth
 
     def get(self, size: int) -> ModuleType | None:
         """Return the kernels of motions if it pays to use them for ``size`` more poses."""
         if self.pays(size) and self.module is None:
             self.load()
-        return self.module
+        return self.module if self.allowed else None
 
     def get_loops(self, formula: Formula, size: int) -> Loops | None:
         """Return the loops of a formula if it pays to use them for ``size`` more poses."""
@@ -121,7 +129,8 @@ class _Kernels:
 
     def in_use(self) -> bool:
         """Whether what is compiled is used: not before a page has loaded all, nor on NumPy."""
-        return self.module is not None or (not self.deferred and bool(self.loops))
+        known = self.module is not None or (not self.deferred and bool(self.loops))
+        return known and self.allowed
 
     def compiler(self) -> ModuleType | None:
         """Return what compiles; without Numba None, and from then on all runs on NumPy."""
@@ -179,7 +188,7 @@ def can_compile() -> bool:
 
 def compiles() -> bool:
     """Whether work with kernels of its own may compile them now; those of here are not loaded."""
-    return is_compiled() or (not _kernels.deferred and can_compile())
+    return is_compiled() or (_kernels.allowed and not _kernels.deferred and can_compile())
 
 
 def is_compiled() -> bool:
@@ -187,15 +196,14 @@ def is_compiled() -> bool:
     return _kernels.in_use()
 
 
-class use_numpy:
-    """Context in which everything runs on NumPy, for tests and comparisons (not thread-safe)."""
+class use_numpy(ContextDecorator):
+    """Context in which all that its thread computes runs on NumPy, to the same bits every time."""
 
     def __enter__(self) -> None:
-        self._saved = (_kernels.module, _kernels.deferred)
-        _kernels.module, _kernels.deferred = None, True
+        _kernels.avoided.depth = getattr(_kernels.avoided, "depth", 0) + 1
 
     def __exit__(self, *_: object) -> None:
-        _kernels.module, _kernels.deferred = self._saved
+        _kernels.avoided.depth -= 1
 
 
 def _cos_sin(angle: Array) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from paminsa_viz.codegen import controller_kit, kit
 from paminsa_viz.codegen.kit import ROWS, WORST_CONDITION
-from paminsa_viz.model import APPENDIX_4, Design, actuator_velocity, inverse_kinematics
+from paminsa_viz.model import APPENDIX_4, Design, actuator_velocity, backend, inverse_kinematics
 from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.reach import Limit, check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import measure_singularity
@@ -62,6 +63,27 @@ def test_vectors_are_regular_poses_from_all_of_the_workspace_and_a_tenth_out_of_
     np.testing.assert_allclose(given[inside], found, rtol=1e-12)
     for wanted, digits in (("c", np.cos(pose[:, 2])), ("s", np.sin(pose[:, 2]))):
         np.testing.assert_allclose(column(wanted)[:, 0], digits, rtol=1e-15)
+
+
+def test_vectors_are_those_of_numpy_where_kernels_are_loaded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    used: Any = object()  # a kernel of it would be missing
+    monkeypatch.setattr(backend._kernels, "module", used)
+    monkeypatch.setattr(backend._kernels, "worth", 0)
+    shared: list[bool] = []
+
+    def draw(*rest: Any) -> Any:
+        thread = threading.Thread(target=lambda: shared.append(backend.is_compiled()))
+        thread.start()
+        thread.join()
+        return poses(*rest)
+
+    poses = kit._poses
+    monkeypatch.setattr(kit, "_poses", draw)
+    kit.test_vectors(APPENDIX_4, 0)
+    assert backend.is_compiled()
+    assert shared == [True]  # other threads go on with the kernels
 
 
 def test_vectors_of_a_robot_twice_as_large_are_twice_as_far_away() -> None:
