@@ -280,6 +280,14 @@ def test_names_in_docstrings_exist() -> None:
         assert known.issuperset(name.split(".")), f"{place} names {name}"
 
 
+def test_no_two_classes_have_the_same_name() -> None:
+    named: dict[str, str] = {}
+    for path in sorted((ROOT / "paminsa_viz").rglob("*.py")):
+        for name in re.findall(r"(?m)^class (\w+)", path.read_text(encoding="utf-8")):
+            other = named.setdefault(name, name_of(path))
+            assert other == name_of(path), f"{name} stands in {other} and {name_of(path)}"
+
+
 def test_the_table_of_workspaces_names_every_section() -> None:
     page = (DOCS / "page.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"(?m)^\| (\w+) \| [^|]+\? \| ([^|]+) \|", page))

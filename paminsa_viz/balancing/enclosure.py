@@ -28,7 +28,7 @@ TANGENTS = (-1.0, 0.0, 1.0)
 """Scaled levers at which a linear program encloses the moments of levers from the start."""
 
 
-class Trial(NamedTuple):
+class EnclosureSolution(NamedTuple):
     """The solution of an enclosure.
 
     Attributes:
@@ -85,7 +85,7 @@ class Enclosure:
         """Raise the limits."""
         self.limits = self.limits + excess * self.limit_scale
 
-    def extend(self, trial: Trial, slack: float) -> bool:
+    def extend(self, trial: EnclosureSolution, slack: float) -> bool:
         """Add what a trial breaks by more than ``slack``; False if that is nothing."""
         added = self._cut(trial.state, trial.parts, slack)
         for number, moments in enumerate(trial.moments):
@@ -109,7 +109,7 @@ class Enclosure:
                 added = True
         return added
 
-    def solve(self, *, elastic: bool = False) -> Trial | None:
+    def solve(self, *, elastic: bool = False) -> EnclosureSolution | None:
         """Solve it, or with ``elastic`` find the least excess over limits; None if it has none."""
         p, n = self.program, self.count
         cuts = Cuts(*(np.concatenate(column) for column in zip(*self.cuts, strict=True)))
@@ -129,7 +129,7 @@ class Enclosure:
                 weights = np.append(weights, size)
         bound, prices, limit_prices = self.lagrangian(cuts, weights, elastic)
         x = found.x
-        return Trial(
+        return EnclosureSolution(
             [x[place] for place in self.moments], p.start + self.effect @ x[:n], x[n:-1],
             float(x[-1]), bound, prices, limit_prices,
         )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from paminsa_viz.balancing.enclosure import FEASIBLE, RESOLVED, Enclosure, Trial
+from paminsa_viz.balancing.enclosure import FEASIBLE, RESOLVED, Enclosure, EnclosureSolution
 from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution, SolverFailed
 from paminsa_viz.model.arrays import Array
 
@@ -71,7 +71,7 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
 def _solve(program: Program, tolerance: float) -> Solution:
     enclosure = Enclosure(program)
     best: _Candidate | None = None
-    proof: Trial | None = None
+    proof: EnclosureSolution | None = None
     rounds, relaxed = 0, False
     while rounds < MAX_ROUNDS:
         rounds += 1

@@ -46,7 +46,7 @@ class NoCompiler(PaminsaError):
     """There is no C compiler, or it fails."""
 
 
-class Variable(NamedTuple):
+class FmuVariable(NamedTuple):
     """A real variable; its value reference is its place in the list."""
 
     name: str
@@ -58,13 +58,13 @@ class Variable(NamedTuple):
 class _Variables(NamedTuple):
     """Variables in the order of their value references."""
 
-    inputs: list[Variable]
-    tunable: list[Variable]
-    fixed: list[Variable]
-    outputs: list[Variable]
+    inputs: list[FmuVariable]
+    tunable: list[FmuVariable]
+    fixed: list[FmuVariable]
+    outputs: list[FmuVariable]
 
     @property
-    def set_by_user(self) -> list[Variable]:
+    def set_by_user(self) -> list[FmuVariable]:
         return [*self.inputs, *self.tunable, *self.fixed]
 
 
@@ -143,29 +143,29 @@ def _variables(design: Design, kind: FmuKind) -> _Variables:
 
     def coordinates(
         what: str, after: str = "", per: str = "", start: list[float] | None = None
-    ) -> list[Variable]:
+    ) -> list[FmuVariable]:
         starts = start or [None] * 4
         return [
-            Variable(name + after, unit + per, f"{what} of the platform in {name}", value)
+            FmuVariable(name + after, unit + per, f"{what} of the platform in {name}", value)
             for (name, unit), value in zip(_POSE, starts, strict=True)
         ]
 
-    def actuators(what: str, after: str = "", per: str = "") -> list[Variable]:
+    def actuators(what: str, after: str = "", per: str = "") -> list[FmuVariable]:
         return [
-            Variable(name + after, unit + per, f"{what} of {motor}")
+            FmuVariable(name + after, unit + per, f"{what} of {motor}")
             for (name, unit), motor in zip(_ACTUATORS, ACTUATORS, strict=True)
         ]
 
-    def torques(start: list[float] | None = None) -> list[Variable]:
+    def torques(start: list[float] | None = None) -> list[FmuVariable]:
         starts = start or [None] * 4
         return [
-            Variable(name, unit, f"{'Force' if unit == 'N' else 'Torque'} of {motor}", value)
+            FmuVariable(name, unit, f"{'Force' if unit == 'N' else 'Torque'} of {motor}", value)
             for (name, unit), motor, value in zip(_TORQUES, ACTUATORS, starts, strict=True)
         ]
 
     payload = [
-        Variable("payload_mass", "kg", "Mass of the payload", design.payload.mass),
-        Variable(
+        FmuVariable("payload_mass", "kg", "Mass of the payload", design.payload.mass),
+        FmuVariable(
             "payload_inertia", "kg.m2", "Inertia of the payload about the vertical",
             design.payload.inertia,
         ),
@@ -178,7 +178,7 @@ def _variables(design: Design, kind: FmuKind) -> _Variables:
         return _Variables(motion, payload, [], torques() + actuators("Position"))
     fixed = coordinates("Position at the start", "_start", start=pose.tolist())
     fixed += coordinates("Rate at the start", "_rate_start", "/s", nothing)
-    fixed.append(Variable("step_max", "s", "Largest step of the integration", STEP_MAX))
+    fixed.append(FmuVariable("step_max", "s", "Largest step of the integration", STEP_MAX))
     outputs = coordinates("Position") + coordinates("Rate", "_rate", "/s")
     outputs += actuators("Position") + actuators("Speed", "_rate", "/s")
     return _Variables(torques(held.tolist()), payload, fixed, outputs)

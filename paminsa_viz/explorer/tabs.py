@@ -29,7 +29,7 @@ Entries = Sequence[Entry]
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A section of a workspace.
 
     Attributes:
@@ -44,7 +44,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Workspace:
+class PageWorkspace:
     """A workspace: all that one question needs.
 
     Attributes:
@@ -57,11 +57,11 @@ class Workspace:
 
     name: str
     question: str
-    sections: tuple[Section, ...]
+    sections: tuple[PageSection, ...]
     beside: str
     layers: tuple[str, ...] = ()
 
-    def path(self, section: Section) -> str:
+    def path(self, section: PageSection) -> str:
         """Return the path of the tab of a section, see `Session.open_tab`."""
         return f"{self.name}/{section.name}"
 
@@ -168,49 +168,53 @@ def _calibrate() -> Entries:
 
 
 WORKSPACES = (
-    Workspace(
+    PageWorkspace(
         "Robot", "What is it, and where does it stand?",
         (
-            Section("Pose", _pose, "position, heading, knee, home, undo, condition number"),
-            Section("Lengths", _lengths, "geometry, bars, radii, guide, pantograph"),
-            Section("Masses", _masses, "inertia, payload, friction, gravity, M_p2"),
-            Section("Load", _load, "external force, moment"),
+            PageSection("Pose", _pose, "position, heading, knee, home, undo, condition number"),
+            PageSection("Lengths", _lengths, "geometry, bars, radii, guide, pantograph"),
+            PageSection("Masses", _masses, "inertia, payload, friction, gravity, M_p2"),
+            PageSection("Load", _load, "external force, moment"),
         ),
         "Torque maps", ("floor_map", "singularity"),
     ),
-    Workspace(
+    PageWorkspace(
         "Motion", "Can it move so, and with which motors?",
         (
-            Section("Path", _path, "motion, play, preset, points, time law, trajectory, duration"),
-            Section("Drives", _drives, "motors, gears, encoders, catalog, select"),
-            Section("Simulate", _simulate, "controller, feed-forward, MuJoCo, payload error"),
+            PageSection(
+                "Path", _path, "motion, play, preset, points, time law, trajectory, duration"
+            ),
+            PageSection("Drives", _drives, "motors, gears, encoders, catalog, select"),
+            PageSection("Simulate", _simulate, "controller, feed-forward, MuJoCo, payload error"),
         ),
         "Motion plots", ("path",),
     ),
-    Workspace(
+    PageWorkspace(
         "Strength", "Does it hold, and how exact is it?",
         (
-            Section("Loads", _loads, "joint forces, bearings, bars, stress, N V M, utilization"),
-            Section("Stiffness", _stiffness, "stiff, compliance, vibration, frequency, mode"),
-            Section("Errors", _errors, "accuracy, encoder, backlash, resolution, manufacture"),
+            PageSection(
+                "Loads", _loads, "joint forces, bearings, bars, stress, N V M, utilization"
+            ),
+            PageSection("Stiffness", _stiffness, "stiff, compliance, vibration, frequency, mode"),
+            PageSection("Errors", _errors, "accuracy, encoder, backlash, resolution, manufacture"),
         ),
         "Answer",
     ),
-    Workspace(
+    PageWorkspace(
         "Optimize", "What should it be?",
         (
-            Section("Requirements", _requirements, "bounds, workspace, proof, volume"),
-            Section("Balance", _balance, "counterweights, springs, tolerances, Pareto"),
-            Section("Synthesis", _synthesis, "search, lengths, design, lightest robot, front"),
+            PageSection("Requirements", _requirements, "bounds, workspace, proof, volume"),
+            PageSection("Balance", _balance, "counterweights, springs, tolerances, Pareto"),
+            PageSection("Synthesis", _synthesis, "search, lengths, design, lightest robot, front"),
         ),
         "Answer", ("volume",),
     ),
-    Workspace(
+    PageWorkspace(
         "Built", "Does the real one agree?",
         (
-            Section("Logs", _logs, "identify, identification, measured, residuals, friction"),
-            Section("Excite", _excite, "motion for a log, experiment, D-optimal"),
-            Section(
+            PageSection("Logs", _logs, "identify, identification, measured, residuals, friction"),
+            PageSection("Excite", _excite, "motion for a log, experiment, D-optimal"),
+            PageSection(
                 "Calibrate", _calibrate,
                 "calibration, kinematic calibration, laser tracker, measure poses, leg lengths",
             ),
@@ -221,7 +225,7 @@ WORKSPACES = (
 """Every workspace. The first section of the first one is filled at once, the others later."""
 
 
-def sections() -> dict[str, Section]:
+def sections() -> dict[str, PageSection]:
     """Return all sections by the paths of their tabs."""
     return {one.path(section): section for one in WORKSPACES for section in one.sections}
 

@@ -142,7 +142,7 @@ class CrossSection(ABC):
         """
 
 
-class Disc(CrossSection):
+class CylinderSection(CrossSection):
     """A disc: the section of an upright cylinder."""
 
     sizes = ("diameter_m", "height_m")
@@ -213,7 +213,7 @@ class Disc(CrossSection):
         return near[..., 0] - half[:, :1], far[..., 0] + half[:, :1]
 
 
-class Rectangle(CrossSection):
+class BoxSection(CrossSection):
     """A rectangle along x and y: the section of a box."""
 
     sizes = ("size_x_m", "size_y_m", "size_z_m")
@@ -292,8 +292,8 @@ class WorkspaceShape(Enum):
 
 
 _SECTIONS: dict[WorkspaceShape, CrossSection] = {
-    WorkspaceShape.CYLINDER: Disc(),
-    WorkspaceShape.BOX: Rectangle(),
+    WorkspaceShape.CYLINDER: CylinderSection(),
+    WorkspaceShape.BOX: BoxSection(),
 }
 
 

@@ -13,7 +13,7 @@ from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.quantities.requirements import Requirement, Requirements, WorkspaceShape
 from paminsa_viz.synthesis.proof import placement
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
-from paminsa_viz.synthesis.proof.placement import CANDIDATES, CenterSearch, Place
+from paminsa_viz.synthesis.proof.placement import CANDIDATES, CenterSearch, PlacedCenter
 from paminsa_viz.synthesis.proof.regions import (
     FIRST,
     SEED,
@@ -385,11 +385,11 @@ def test_rounds_go_on_until_nothing_more_is_found_or_the_bound_is_near() -> None
     held = {0.2: 1.0, 0.3: 1.1, 0.1: 0.9, 0.0: 0.1}
     far = lambda row, _: held[round(float(row[0]), 3)]  # noqa: E731
     done = Rounds(far, lambda n: 0, both)
-    assert done.made.find(Control(5.0)) == Place((0.2, 0.0, -0.5), 2.0)
+    assert done.made.find(Control(5.0)) == PlacedCenter((0.2, 0.0, -0.5), 2.0)
     assert len(done.calls) == 1
     done = Rounds(far, lambda n: 1 if n < 3 else 0, both)
     # the best of all that were tried, and the bound of the last round
-    assert done.made.find(Control(5.0)) == Place((0.3, 0.0, -0.5), 1.2)
+    assert done.made.find(Control(5.0)) == PlacedCenter((0.3, 0.0, -0.5), 1.2)
     assert len(done.calls) == 3
     assert done.made._broken.shape == (2, 3)
     assert done.calls[2][-1].tolist() == [0.3, 0.0, -0.5]
@@ -455,7 +455,7 @@ def test_a_plain_place_is_taken_where_it_costs_nothing(free: Any, kept: Any, exp
 def test_a_place_on_the_axis_has_no_minus_zero() -> None:
     place = np.array([-0.001, -0.002, -0.5]), 1.0
     found = Rounds(lambda row, _: 1.0, lambda n: 0, [place]).made.find(Control(5.0))
-    assert found == Place((0.0, 0.0, -0.5), 1.0)
+    assert found == PlacedCenter((0.0, 0.0, -0.5), 1.0)
     assert not np.signbit(found.center[:2]).any()
 
 

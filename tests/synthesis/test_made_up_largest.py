@@ -21,7 +21,7 @@ from paminsa_viz.synthesis.proof.largest import (
     GrowingRegion,
     largest_workspace,
 )
-from paminsa_viz.synthesis.proof.placement import Place
+from paminsa_viz.synthesis.proof.placement import PlacedCenter
 from paminsa_viz.synthesis.proof.regions import Growth, PoseRegion
 from tests.synthesis.robots import TURN, cylinder
 
@@ -303,16 +303,16 @@ def test_evidence_is_what_the_searches_proved(
 @pytest.mark.parametrize(
     ("place", "upper", "lower", "cause", "limit", "expected"),
     [
-        (Place((0.0, 0.0, -0.5), 1.2), 0.9, 0.8, "condition", 1.2, "condition"),
-        (Place((0.0, 0.0, -0.5), 0.7), 0.9, 0.8, "", 0.9, ""),
-        (Place((0.0, 0.0, -0.5), 0.7), 0.9, 0.0, "f_4", 0.9, "f_4"),
-        (Place((0.0, 0.0, -0.5), 0.0), 0.0, 0.0, "", 0.0, "home"),
+        (PlacedCenter((0.0, 0.0, -0.5), 1.2), 0.9, 0.8, "condition", 1.2, "condition"),
+        (PlacedCenter((0.0, 0.0, -0.5), 0.7), 0.9, 0.8, "", 0.9, ""),
+        (PlacedCenter((0.0, 0.0, -0.5), 0.7), 0.9, 0.0, "f_4", 0.9, "f_4"),
+        (PlacedCenter((0.0, 0.0, -0.5), 0.0), 0.0, 0.0, "", 0.0, "home"),
         (None, 0.9, 0.8, "", 0.0, "volume"),
     ],
 )
 def test_an_answer_states_its_limit_its_gap_and_what_ends_it(
-    made_up: Any, monkeypatch: pytest.MonkeyPatch, place: Place | None, upper: float, lower: float,
-    cause: str, limit: float, expected: str,
+    made_up: Any, monkeypatch: pytest.MonkeyPatch, place: PlacedCenter | None, upper: float,
+    lower: float, cause: str, limit: float, expected: str,
 ) -> None:  # fmt: skip
     """The limit is that about its center, or what poses tell of the best one."""
     free: list[Any] = []

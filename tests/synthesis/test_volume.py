@@ -20,7 +20,7 @@ from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume import measure
 from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution, axes_of
-from paminsa_viz.synthesis.volume.measure import Nodes
+from paminsa_viz.synthesis.volume.measure import VolumeNodes
 from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
 from tests.support.cases import Case, cases
 from tests.synthesis.robots import TURN, met, needs
@@ -376,7 +376,7 @@ def test_a_cube_just_beyond_the_band_is_whole_and_no_point_is_drawn_in_it(step: 
     alone[1, 1, 1] = True
     for depth, cubes in ((1.25 * step, 0), (1.2499 * step, 27)):
         deep = np.full((3, 3, 3), depth)
-        nodes = Nodes(x, x, ones, ~ones, deep, ones, deep)
+        nodes = VolumeNodes(x, x, ones, ~ones, deep, ones, deep)
         drawn = measure._Surface.of(nodes, ones, ~ones, deep, 100)
         assert (drawn.cubes, drawn.whole) == (cubes, 27 - cubes)
         # nor in one as far outside
@@ -392,7 +392,7 @@ def test_points_are_drawn_in_their_cubes_one_in_each_layer(count: int) -> None:
     x = 0.1 * np.arange(-6.0, 7.0)
     depth = 0.45 - np.linalg.norm(np.stack(np.meshgrid(x, x, x, indexing="ij")), axis=0)
     inside, none = depth > 0, np.zeros(depth.shape, bool)
-    nodes = Nodes(x, x, inside, none, depth, inside, depth)
+    nodes = VolumeNodes(x, x, inside, none, depth, inside, depth)
     drawn = measure._Surface.of(nodes, inside, none, depth, count)
     place = (drawn.points - x[0]) / 0.1
     index = np.rint(place).astype(int)

@@ -29,7 +29,7 @@ from paminsa_viz.synthesis.volume.causes import (
 from paminsa_viz.synthesis.volume.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume.grid import COARSE, Resolution
 from paminsa_viz.synthesis.volume.margins import heading_margins
-from paminsa_viz.synthesis.volume.measure import Nodes
+from paminsa_viz.synthesis.volume.measure import VolumeNodes
 from paminsa_viz.synthesis.volume.reach import ReachBounds, reach_bounds
 from paminsa_viz.synthesis.volume.solve import solve_volume
 from paminsa_viz.synthesis.volume.workspace import Samples, least_within, reach_items, worst_over
@@ -230,10 +230,10 @@ def test_distances_to_the_end_of_reach_are_negative_beyond_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """And what ends the volume next to it is the requirement that is broken first."""
-    seen: list[Nodes] = []
+    seen: list[VolumeNodes] = []
     whole = measure.measure
 
-    def noted(design: Any, requirements: Any, nodes: Nodes, *more: Any) -> Any:
+    def noted(design: Any, requirements: Any, nodes: VolumeNodes, *more: Any) -> Any:
         seen.append(nodes)
         return whole(design, requirements, nodes, *more)
 
@@ -373,7 +373,7 @@ def test_each_cube_has_as_many_points_as_can_be_paid_for(times: float, points: i
     x = np.arange(-5.0, 6.0)
     depth = 3.3 - np.linalg.norm(np.stack(np.meshgrid(x, x, x, indexing="ij")), axis=0)
     none = np.zeros(depth.shape, bool)
-    nodes = Nodes(x, x, depth > 0, none, depth, depth > 0, depth)
+    nodes = VolumeNodes(x, x, depth > 0, none, depth, depth > 0, depth)
     cubes = measure._Surface.of(nodes, depth > 0, none, depth, np.inf).cubes
     drawn = measure._Surface.of(nodes, depth > 0, none, depth, times * cubes)
     place = np.rint(drawn.points)

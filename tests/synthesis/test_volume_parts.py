@@ -326,7 +326,7 @@ def test_costly_quantities_get_as_many_points_as_half_their_time_pays(
     )
     monkeypatch.setattr(measure, "_uncertain", lambda nodes: 5.0)
     grid = np.zeros((3, 3, 3), bool)
-    nodes = measure.Nodes(np.arange(3) * 0.5, np.arange(3.0), grid, grid, grid, grid, grid)
+    nodes = measure.VolumeNodes(np.arange(3) * 0.5, np.arange(3.0), grid, grid, grid, grid, grid)
     needed = needs("condition <= 9")
     for each, count in ((0.0, np.inf), (0.01, 500.0), (1.0, 200.0)):
         monkeypatch.setattr(measure, "time_per_position", lambda *_, e=each: e)
@@ -383,7 +383,7 @@ def test_the_surface_of_a_single_node_is_in_the_cubes_around_it() -> None:
     apart = np.zeros_like(inside)
     for joined, cubes in ((True, 27), (False, 26)):
         apart[1, 1, 1] = not joined
-        nodes = measure.Nodes(x, x, inside, apart, depth, inside, depth)
+        nodes = measure.VolumeNodes(x, x, inside, apart, depth, inside, depth)
         drawn = measure._Surface.of(nodes, inside, apart, depth, 20)
         assert drawn.cubes == cubes
         assert len(np.unique(np.rint(drawn.points), axis=0)) == len(drawn.points) == 20

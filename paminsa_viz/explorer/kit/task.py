@@ -237,7 +237,7 @@ NOT_OF_PREVIEW = "Not computed of the robots that a search shows while it runs."
 """What the text of a follower's result says in a preview."""
 
 
-class Run(NamedTuple):
+class TaskRun(NamedTuple):
     """A run of a job; two of the same job are told apart by their tickets."""
 
     ticket: int
@@ -261,7 +261,7 @@ class Background:
         self,
         name: str,
         find: Callable[[Any, Progress], Any],
-        deliver: Callable[[Run, Outcome], None],
+        deliver: Callable[[TaskRun, Outcome], None],
         report: Callable[..., bool],
         closed: Callable[[], bool],
     ) -> None:
@@ -278,11 +278,11 @@ class Background:
         self._name, self._find, self._closed = name, find, closed
         self._deliver, self._report = deliver, report
         self._lock = threading.Lock()
-        self.wanted: Run | None = None
-        self._waiting: Run | None = None
+        self.wanted: TaskRun | None = None
+        self._waiting: TaskRun | None = None
         self._busy = False
 
-    def request(self, run: Run | None) -> None:
+    def request(self, run: TaskRun | None) -> None:
         """Run a job, unless it is the run requested last; with None, cancel what runs."""
         with self._lock:
             if run is self.wanted or (run and self.wanted and run.ticket == self.wanted.ticket):
@@ -311,7 +311,7 @@ class Background:
             if self.wanted is run:
                 self._deliver(run, outcome)
 
-    def _progress(self, run: Run, done: float, /, **known: Any) -> bool:
+    def _progress(self, run: TaskRun, done: float, /, **known: Any) -> bool:
         if self._closed() or self.wanted is not run:
             raise _Unwanted  # or it would still work out what it has found so far
         return self._report(run, done, **known)
@@ -330,13 +330,13 @@ class TaskRunner:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Run what was started, and cancel what was stopped."""
         own = self._task.place.read(frame.state)
-        self.background.request(None if own.running is None else Run(own.ticket, own.running))
+        self.background.request(None if own.running is None else TaskRun(own.ticket, own.running))
 
-    def _deliver(self, run: Run, outcome: Outcome) -> None:
+    def _deliver(self, run: TaskRun, outcome: Outcome) -> None:
         action = partial(self._task.deliver, ticket=run.ticket, outcome=outcome)
         self._session.dispatch(f"{self._task.place.path}.result", action, step=self._task.undo)
 
-    def _report(self, run: Run, done: float, **known: Any) -> bool:
+    def _report(self, run: TaskRun, done: float, **known: Any) -> bool:
         own = self._task.place.read(self._session.state)  # a view may be late to say so
         if not own.runs(run.ticket):
             raise _Unwanted
@@ -375,8 +375,8 @@ class FollowerRunner:
             self.background.request(None)
         elif not requested:
             self._ticket += 1
-            self.background.request(Run(self._ticket, job))
+            self.background.request(TaskRun(self._ticket, job))
 
-    def _deliver(self, run: Run, outcome: Outcome) -> None:
+    def _deliver(self, run: TaskRun, outcome: Outcome) -> None:
         action = partial(self._follower.deliver, outcome=outcome)
         self._session.dispatch(f"{self._follower.place.path}.result", action, step=False)

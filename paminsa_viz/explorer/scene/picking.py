@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.explorer.state.inspector import Kind, Part
+from paminsa_viz.explorer.state.inspector import PartKind, RobotPart
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.parameters import PANTOGRAPH
@@ -34,7 +34,7 @@ def can_be_picked(body: str) -> bool:
 
 def picked(
     configuration: Configuration, body: str, origin: ArrayLike, direction: ArrayLike
-) -> Part | None:
+) -> RobotPart | None:
     """Return the part that a click means.
 
     Args:
@@ -52,23 +52,23 @@ def picked(
         return None
     points = configuration.points
     if body in ("m1", "m2", "m3"):
-        return Part(Kind.MOTOR, body.upper(), int(body[1]) - 1)
+        return RobotPart(PartKind.MOTOR, body.upper(), int(body[1]) - 1)
     if body == "m4":
-        return Part(Kind.MOTOR, "M4", None)
+        return RobotPart(PartKind.MOTOR, "M4", None)
     if body == "carriage":  # it holds the arms B1, at whose tips the joints 2 are
         tips = points[2]
         centers = tips * [0.0, 0.0, 1.0]
         distance = [_distance(ray, (c + t) / 2) for c, t in zip(centers, tips, strict=True)]
         if _distance(ray, centers[0]) < min(distance):
-            return Part(Kind.MOTOR, "M4", None)
-        return Part(Kind.BAR, "b1", int(np.argmin(distance)))
+            return RobotPart(PartKind.MOTOR, "M4", None)
+        return RobotPart(PartKind.BAR, "b1", int(np.argmin(distance)))
     leg, kind = int(body[3]) - 1, body.rpartition("/")[2]
     reach = NEAR * configuration.geometry.body_scale
     near = {joint: _distance(ray, points[joint][leg]) for joint in _JOINTS.get(kind, ())}
     joint = min(near, key=near.__getitem__, default=None)
     if joint is not None and (kind not in _BARS or near[joint] < reach):
-        return Part(Kind.JOINT, str(joint), leg)
-    return Part(Kind.BAR, _BARS[kind], leg)
+        return RobotPart(PartKind.JOINT, str(joint), leg)
+    return RobotPart(PartKind.BAR, _BARS[kind], leg)
 
 
 def _distance(ray: tuple[Array, Array], place: Array) -> float:

@@ -12,7 +12,7 @@ from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.parameters import LEG_JOINTS
 
 
-class Kind(Enum):
+class PartKind(Enum):
     """What a part is."""
 
     BAR = "bar"
@@ -21,7 +21,7 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True)
-class Part:
+class RobotPart:
     """A part of the robot.
 
     Attributes:
@@ -30,22 +30,22 @@ class Part:
         leg: Index of its leg; None of M4, which lifts all of them.
     """
 
-    kind: Kind
+    kind: PartKind
     name: str
     leg: int | None
 
     @property
     def title(self) -> str:
         """Its short name: ``B4 leg 2``, ``Joint 5 leg 1``, ``M4``."""
-        if self.leg is None or self.kind is Kind.MOTOR:
+        if self.leg is None or self.kind is PartKind.MOTOR:
             return self.name
-        name = self.name.upper() if self.kind is Kind.BAR else f"Joint {self.name}"
+        name = self.name.upper() if self.kind is PartKind.BAR else f"Joint {self.name}"
         return f"{name} leg {self.leg + 1}"
 
     @property
     def mass_path(self) -> str:
         """Path of its mass in the design, empty for a motor."""
-        start = {Kind.BAR: "links.", Kind.JOINT: "joints.j"}.get(self.kind)
+        start = {PartKind.BAR: "links.", PartKind.JOINT: "joints.j"}.get(self.kind)
         return "" if start is None else f"{start}{self.name}"
 
     @property
@@ -59,9 +59,9 @@ class Part:
 LEGS: Final = range(3)
 
 PARTS: Final = (
-    *(Part(Kind.BAR, bar, leg) for bar in BARS for leg in LEGS),
-    *(Part(Kind.JOINT, str(joint), leg) for joint in LEG_JOINTS for leg in LEGS),
-    *(Part(Kind.MOTOR, name, leg) for leg, name in enumerate(ACTUATORS[:3])),
-    Part(Kind.MOTOR, ACTUATORS[3], None),
+    *(RobotPart(PartKind.BAR, bar, leg) for bar in BARS for leg in LEGS),
+    *(RobotPart(PartKind.JOINT, str(joint), leg) for joint in LEG_JOINTS for leg in LEGS),
+    *(RobotPart(PartKind.MOTOR, name, leg) for leg, name in enumerate(ACTUATORS[:3])),
+    RobotPart(PartKind.MOTOR, ACTUATORS[3], None),
 )
 """All parts: bars, joints, motors."""

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.drives import DrivesState
 from paminsa_viz.explorer.state.export import ExportSettings
 from paminsa_viz.explorer.state.identification import IdentificationState
-from paminsa_viz.explorer.state.inspector import Part
+from paminsa_viz.explorer.state.inspector import RobotPart
 from paminsa_viz.explorer.state.layers import default_layers
 from paminsa_viz.explorer.state.loads import LoadsState
 from paminsa_viz.explorer.state.maps import MapView
@@ -105,7 +105,7 @@ class State:
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False
     docks: Docks = field(default_factory=Docks)
-    inspected: Part | None = None
+    inspected: RobotPart | None = None
     workspace: str = field(default="", compare=False)
     workspaces: tuple[WorkspaceView, ...] = field(default=(), compare=False)
     answer: str = field(default="", compare=False)

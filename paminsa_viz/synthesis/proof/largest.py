@@ -38,7 +38,7 @@ from paminsa_viz.synthesis.proof.evidence import (
     regions_of,
 )
 from paminsa_viz.synthesis.proof.families import BoundGroup, Method, groups, method
-from paminsa_viz.synthesis.proof.placement import CenterSearch, Place
+from paminsa_viz.synthesis.proof.placement import CenterSearch, PlacedCenter
 from paminsa_viz.synthesis.proof.regions import Grows, Growth, PoseRegion, least_free
 
 TOLERANCE = 1e-3
@@ -303,7 +303,7 @@ def largest_workspace(
     control = Control(time_limit, progress)
     grows, region = growth.axes, region_of(workspace, requirements)
     free = [place is None for place in workspace.center]
-    growing, place = None, Place(region.center, 0.0)
+    growing, place = None, PlacedCenter(region.center, 0.0)
     if any(free):
         search = CenterSearch(design, requirements, region, grows, free, both_sides)
         place = search.find(control)

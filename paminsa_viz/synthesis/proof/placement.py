@@ -55,7 +55,7 @@ _NEAR = 1e-3
 
 
 @dataclass(frozen=True)
-class Place:
+class PlacedCenter:
     """Where the largest region is, as far as poses tell.
 
     Attributes:
@@ -114,7 +114,7 @@ class CenterSearch:
             index = index[np.sort(self._rng.choice(len(index), most, replace=False))]
         return np.column_stack([axis[index[:, i]] for i, axis in enumerate(axes)])
 
-    def find(self, control: Control) -> Place | None:
+    def find(self, control: Control) -> PlacedCenter | None:
         """Return the place, None if no position meets all requirements."""
         if not len(self._inside):
             return None
@@ -141,7 +141,7 @@ class CenterSearch:
                 best = plain
                 break
         x, y, z = map(float, best + 0.0)  # no -0.0
-        return Place((x, y, z), scale)
+        return PlacedCenter((x, y, z), scale)
 
     def _with_given(self, centers: Array) -> Array:
         """Return centers with the coordinates that are given, each once."""

@@ -45,7 +45,7 @@ _SEED = 5
 Holds = NDArray[np.bool_]
 
 
-class Nodes(NamedTuple):
+class VolumeNodes(NamedTuple):
     """What is known at the nodes of a grid; arrays are (x, y, z).
 
     Attributes:
@@ -95,7 +95,9 @@ class _Surface:
     points: Array
 
     @classmethod
-    def of(cls, nodes: Nodes, inside: Holds, apart: Holds, depth: Array, count: float) -> _Surface:
+    def of(
+        cls, nodes: VolumeNodes, inside: Holds, apart: Holds, depth: Array, count: float
+    ) -> _Surface:
         """Draw ``count`` points or so, up to some in each cube at the surface of a body."""
         # Late: it takes a third of a second to load.
         from scipy import ndimage
@@ -135,7 +137,7 @@ class _Surface:
 def measure(
     design: Design,
     requirements: Requirements,
-    nodes: Nodes,
+    nodes: VolumeNodes,
     count: int,
     both_sides: bool,
     budget: float,
@@ -180,7 +182,7 @@ def measure(
     return Measured(cube * max(volume, 0.0), cube * error, cube * reachable)
 
 
-def _uncertain(nodes: Nodes) -> float:
+def _uncertain(nodes: VolumeNodes) -> float:
     """Return the nodes of parts that a neck thinner than the cells may join to the volume."""
     # Late: it takes a third of a second to load.
     from scipy import ndimage

@@ -28,7 +28,7 @@ from paminsa_viz.synthesis.volume.causes import (
 )
 from paminsa_viz.synthesis.volume.grid import FINE, Resolution, axes_of, home_side, joined_to_home
 from paminsa_viz.synthesis.volume.margins import heading_margins, headings
-from paminsa_viz.synthesis.volume.measure import Nodes, measure
+from paminsa_viz.synthesis.volume.measure import VolumeNodes, measure
 from paminsa_viz.synthesis.volume.reach import can_be_taken, reach_bounds, takes_own_headings
 
 
@@ -184,7 +184,7 @@ def solve_volume(
     cause = np.where(reached, cause, FIRST_REACH + which).astype(np.uint8)
     cause[..., side < 0.0] = OTHER_SIDE
 
-    nodes = Nodes(x, z, inside, met & ~inside, depth, reachable, body)
+    nodes = VolumeNodes(x, z, inside, met & ~inside, depth, reachable, body)
     measured = measure(
         design, requirements, nodes, headings, both_sides, resolution.budget, progress
     )

@@ -17,13 +17,13 @@ from paminsa_viz.explorer.features.loads.solving import (
     instant,
     sideways_at,
 )
-from paminsa_viz.explorer.state.inspector import Kind, Part
+from paminsa_viz.explorer.state.inspector import PartKind, RobotPart
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import Limit
 from paminsa_viz.model.elastic import BARS
 
 
-class Number(NamedTuple):
+class PartNumber(NamedTuple):
     """A number of a part.
 
     Attributes:
@@ -44,12 +44,12 @@ def reason(state: State) -> str:
     return "" if status is Limit.OK else status.explanation
 
 
-def numbers(state: State, part: Part) -> list[Number]:
+def numbers(state: State, part: RobotPart) -> list[PartNumber]:
     """Return the forces of a part; NaN where there are none."""
     at, along = instant(state), found(state)
-    if part.kind is Kind.BAR:
+    if part.kind is PartKind.BAR:
         return _bar(at, along, part)
-    if part.kind is Kind.JOINT:
+    if part.kind is PartKind.JOINT:
         return _joint(at, along, part)
     return _motor(at, along, part)
 
@@ -59,7 +59,7 @@ def bar_length(state: State, bar: str) -> float:
     return float(bar_loads(forces_at(instant(state)), bar).length)
 
 
-def _bar(at: Instant, along: MotionLoads | None, part: Part) -> list[Number]:
+def _bar(at: Instant, along: MotionLoads | None, part: RobotPart) -> list[PartNumber]:
     index, leg = BARS.index(part.name), part.leg
     inner, use = bars_at(at)
     now = [*inner[leg, index].tolist(), 100 * float(use[leg, index])]
@@ -68,10 +68,10 @@ def _bar(at: Instant, along: MotionLoads | None, part: Part) -> list[Number]:
         most = along.utilization.max(axis=0)[leg, index]
         worst = [*along.bar_peak[leg, index].tolist(), 100 * float(most)]
     texts = (("N", "N"), ("V", "N"), ("M", "N·m"), ("σ/R_p", "%"))
-    return [Number(*text, *both) for text, *both in zip(texts, now, worst, strict=True)]
+    return [PartNumber(*text, *both) for text, *both in zip(texts, now, worst, strict=True)]
 
 
-def _joint(at: Instant, along: MotionLoads | None, part: Part) -> list[Number]:
+def _joint(at: Instant, along: MotionLoads | None, part: RobotPart) -> list[PartNumber]:
     forces, sideways, leg = forces_at(at), sideways_at(at), part.leg
     rows = []
     for joint in JOINTS:
@@ -79,17 +79,17 @@ def _joint(at: Instant, along: MotionLoads | None, part: Part) -> list[Number]:
             continue
         index = JOINT_INDEX[joint.key]
         peak = np.nan if along is None else float(along.peak[leg, index])
-        rows.append(Number(f"F {joint.label}", "N", float(forces.magnitude[leg, index]), peak))
+        rows.append(PartNumber(f"F {joint.label}", "N", float(forces.magnitude[leg, index]), peak))
         if sideways is not None and joint.key != "5":  # the size at joint 5 is in space
-            rows.append(Number(f"F_t {joint.label}", "N", float(sideways[leg, index]), np.nan))
+            rows.append(PartNumber(f"F_t {joint.label}", "N", float(sideways[leg, index]), np.nan))
     return rows
 
 
-def _motor(at: Instant, along: MotionLoads | None, part: Part) -> list[Number]:
+def _motor(at: Instant, along: MotionLoads | None, part: RobotPart) -> list[PartNumber]:
     index = 3 if part.leg is None else part.leg
     now, worst = float(forces_at(at).torque[index]), np.nan
     if along is not None:
         torque = along.forces.torque[:, index]
         worst = float(torque[np.abs(torque).argmax()])
     symbol, unit = ("F_4", "N") if part.leg is None else (f"τ_{index + 1}", "N·m")
-    return [Number(symbol, unit, now, worst)]
+    return [PartNumber(symbol, unit, now, worst)]

@@ -25,7 +25,7 @@ from paminsa_viz.explorer.kit.bindings import Panel, perform
 from paminsa_viz.explorer.kit.design_numbers import GROUPS, label
 from paminsa_viz.explorer.kit.entries import Effect, Html, Message, Then
 from paminsa_viz.explorer.kit.text import render
-from paminsa_viz.explorer.state.inspector import Kind, Part
+from paminsa_viz.explorer.state.inspector import PartKind, RobotPart
 from paminsa_viz.explorer.state.monte_carlo import NAMES
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.stiffness import CASES
@@ -49,16 +49,16 @@ LENGTHS: Final = {
 """Paths of what sets the lengths of the bars; B7 follows from B4 and k."""
 
 
-def inspect(state: State, part: Part | None) -> State:
+def inspect(state: State, part: RobotPart | None) -> State:
     """Inspect a part; None closes the inspector."""
     return state if state.inspected == part else replace(state, inspected=part)
 
 
-def fields_of(part: Part) -> tuple[str, ...]:
+def fields_of(part: RobotPart) -> tuple[str, ...]:
     """Return paths of the design's numbers that are worth changing for a part."""
-    if part.kind is Kind.BAR:
+    if part.kind is PartKind.BAR:
         return part.mass_path, LENGTHS[part.name], f"elastic.{part.name}_outer"
-    if part.kind is Kind.MOTOR:
+    if part.kind is PartKind.MOTOR:
         name = "linear" if part.leg is None else "rotary"
         return f"elastic.drive_{name}", f"friction.coulomb_{name}"
     own = {
@@ -82,11 +82,11 @@ def label_of(path: str) -> str:
     return elastic_label(name) if group == "elastic" else label(PARAMETER[path])
 
 
-def quantity_of(part: Part) -> str:
+def quantity_of(part: RobotPart) -> str:
     """Return the key of the map quantity that goes with a part."""
-    if part.kind is Kind.BAR:
+    if part.kind is PartKind.BAR:
         return "utilization"
-    if part.kind is Kind.MOTOR:
+    if part.kind is PartKind.MOTOR:
         return "f_4" if part.leg is None else f"tau_{part.leg + 1}"
     return {"8": "force_8_b8"}.get(part.name, f"force_{part.name}")
 
@@ -109,9 +109,9 @@ def text(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def _length(state: State, part: Part) -> str:
+def _length(state: State, part: RobotPart) -> str:
     """Return the length of a bar [mm], where none of the fields is it."""
-    if part.kind is not Kind.BAR or PARAMETER[LENGTHS[part.name]].unit == "m":
+    if part.kind is not PartKind.BAR or PARAMETER[LENGTHS[part.name]].unit == "m":
         return ""
     return number(1e3 * numbers.bar_length(state, part.name), 4)
 
@@ -139,7 +139,7 @@ def _percent(share: float) -> str:
     return NONE if math.isnan(share) else f"{number(100 * share, 3)} %"
 
 
-def _shares(frame: Frame, part: Part) -> list[tuple[str, str, str]]:
+def _shares(frame: Frame, part: RobotPart) -> list[tuple[str, str, str]]:
     state = frame.state
     added = imbalance_share(state.shown_design, part)
     coordinate = NAMES[state.monte_carlo.settings.coordinate]
@@ -173,10 +173,10 @@ def _actions(state: State) -> dict[str, Effect]:
     return {**shown, "close": partial(inspect, part=None)}
 
 
-def along_motion(state: State, part: Part) -> State:
+def along_motion(state: State, part: RobotPart) -> State:
     """Find the loads along the motion; their answer lists the part's leg, and its bar."""
     own: dict[str, Any] = {} if part.leg is None else {"leg": part.leg}
-    if part.kind is Kind.BAR:
+    if part.kind is PartKind.BAR:
         own["bar"] = part.name
     return state.updated("loads.settings", along=True, **own)
 
@@ -214,7 +214,7 @@ class Inspector:
         with self._panel.add_tab("Inspector", viser.Icon.SEARCH):
             self._entries = Panel(session, INSPECTOR)
         self._panel.float(x=10, y=10, width=WIDTH)
-        self._shown: Part | None = None
+        self._shown: RobotPart | None = None
 
     @property
     def handles(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from paminsa_viz.elastostatics.stiffness import SHARES, StrainShares, strain_sha
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.accuracy.manufacture import errors_at
 from paminsa_viz.explorer.features.accuracy.monte_carlo import shown_lengths
-from paminsa_viz.explorer.state.inspector import Kind, Part
+from paminsa_viz.explorer.state.inspector import PartKind, RobotPart
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.stiffness import ElasticJob
 from paminsa_viz.kept import kept
@@ -26,7 +26,7 @@ LENGTHS_OF: Final[dict[str, tuple[str, ...]]] = {
 """Lengths whose tolerance is a part's, each once; M1 stands for M1 to M3."""
 
 
-def imbalance_share(design: Design, part: Part) -> float | None:
+def imbalance_share(design: Design, part: RobotPart) -> float | None:
     """Return what a part of all three legs adds to M_p2 [N], None for a motor.
 
     Counterweights belong to their bars. All parts add up to M_p2.
@@ -37,7 +37,7 @@ def imbalance_share(design: Design, part: Part) -> float | None:
     weights = (
         parts[f"counterweights.{number}.mass"]
         for number, weight in enumerate(design.counterweights)
-        if part.kind is Kind.BAR and weight.bar == part.name
+        if part.kind is PartKind.BAR and weight.bar == part.name
     )
     return parts[part.mass_path] + sum(weights)
 
@@ -47,7 +47,7 @@ def _strain(job: ElasticJob) -> StrainShares:
     return strain_shares(job.design, np.array(job.pose), job.wrench)
 
 
-def strain_share(state: State, part: Part) -> float | None:
+def strain_share(state: State, part: RobotPart) -> float | None:
     """Return the share of one part in the strain energy under the load case of *Stiffness*.
 
     None for joints whose bearings are counted together, and NaN without a load.
@@ -55,9 +55,9 @@ def strain_share(state: State, part: Part) -> float | None:
     case = state.stiffness.settings.case
     found = _strain(ElasticJob(state.shown_design, state.last_reachable.pose, case))
     name = {
-        Kind.BAR: part.name.upper(),
-        Kind.JOINT: {"5": "ball joint", "8": "guide"}.get(part.name, ""),
-        Kind.MOTOR: "M4" if part.leg is None else "drive",
+        PartKind.BAR: part.name.upper(),
+        PartKind.JOINT: {"5": "ball joint", "8": "guide"}.get(part.name, ""),
+        PartKind.MOTOR: "M4" if part.leg is None else "drive",
     }[part.kind]
     if name not in SHARES:
         return None
@@ -66,12 +66,12 @@ def strain_share(state: State, part: Part) -> float | None:
         return float((energy.sum() if part.leg is None else energy[part.leg]) / found.total)
 
 
-def tolerance_share(frame: Frame, part: Part) -> float | None:
+def tolerance_share(frame: Frame, part: RobotPart) -> float | None:
     """Return the share of a part of all three legs in the variance of the chosen coordinate.
 
     The coordinate is that of *Errors > Manufacture*. None for a part that no tolerance belongs to.
     """
-    motor = part.kind is Kind.MOTOR and part.leg is not None
+    motor = part.kind is PartKind.MOTOR and part.leg is not None
     names = LENGTHS_OF.get("M1" if motor else part.name)
     if names is None:
         return None

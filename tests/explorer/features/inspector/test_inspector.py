@@ -32,8 +32,8 @@ from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.scene.bodies import Bodies
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.scene.picking import picked
-from paminsa_viz.explorer.state.inspector import PARTS, Kind, Part
-from paminsa_viz.explorer.state.motion import Kind as MotionKind
+from paminsa_viz.explorer.state.inspector import PARTS, PartKind, RobotPart
+from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.tabs import sections
@@ -43,15 +43,15 @@ from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.entries import inputs_in
 
-B4 = Part(Kind.BAR, "b4", 1)
+B4 = RobotPart(PartKind.BAR, "b4", 1)
 WEIGHT = Counterweight(mass=1.5, bar="b8", joint=8, beyond=0.1)
 
 
-def inspecting(part: Part = B4) -> State:
+def inspecting(part: RobotPart = B4) -> State:
     return replace(actions.move(initial_state(), x=0.05, theta=0.3), inspected=part)
 
 
-def frame_of(part: Part = B4) -> Frame:
+def frame_of(part: RobotPart = B4) -> Frame:
     return compute(inspecting(part))
 
 
@@ -63,7 +63,7 @@ def test_numbers_of_a_bar_are_those_of_its_loads() -> None:
     found = numbers(state, B4)
     assert [one.now for one in found] == pytest.approx([*inner, 100 * use])
     assert np.isnan([one.worst for one in found]).all()
-    assert "along the motion" in panel.text(compute(motions.choose_kind(state, MotionKind.ARCH)))
+    assert "along the motion" in panel.text(compute(motions.choose_kind(state, Kind.ARCH)))
 
 
 def test_loads_along_the_motion_are_listed_of_the_parts_own_leg() -> None:
@@ -71,11 +71,11 @@ def test_loads_along_the_motion_are_listed_of_the_parts_own_leg() -> None:
         shown = panel.along_motion(initial_state(), part).loads.settings
         assert shown.along
         assert shown.leg == (part.leg or 0)
-        assert part.kind is not Kind.BAR or shown.bar == part.name
+        assert part.kind is not PartKind.BAR or shown.bar == part.name
 
 
 def test_worst_is_that_of_the_motion_once_it_is_known() -> None:
-    state = motions.choose_kind(inspecting().updated("loads.settings", along=True), MotionKind.ARCH)
+    state = motions.choose_kind(inspecting().updated("loads.settings", along=True), Kind.ARCH)
     analysis = compute(state).analysis
     assert analysis is not None
     loads = find_loads(analysis, None)
@@ -133,15 +133,15 @@ def test_click_on_a_bar_means_it_and_near_a_joint_the_joint() -> None:
     eye = np.array([2.0, -2.0, 1.0])
     between = (four + five) / 2 if np.linalg.norm(five - four) > 0.1 else (nine + four) / 2
     assert picked(where, "leg2/b4", eye, between - eye) == B4
-    assert picked(where, "leg2/b4", eye, five - eye) == Part(Kind.JOINT, "5", 1)
+    assert picked(where, "leg2/b4", eye, five - eye) == RobotPart(PartKind.JOINT, "5", 1)
     aside = np.cross(five - eye, [0.0, 0.0, 1.0])
     near = five - eye + 0.015 * aside / np.linalg.norm(aside)
-    assert picked(where, "leg2/b4", eye, near) == Part(Kind.JOINT, "5", 1)
+    assert picked(where, "leg2/b4", eye, near) == RobotPart(PartKind.JOINT, "5", 1)
     thin = replace(where, geometry=replace(where.geometry, body_scale=0.5))
     assert picked(thin, "leg2/b4", eye, near) == B4
     arm = where.points[2][2] * [0.5, 0.5, 1.0]
-    assert picked(where, "carriage", eye, arm - eye) == Part(Kind.BAR, "b1", 2)
-    assert picked(where, "m2", eye, five - eye) == Part(Kind.MOTOR, "M2", 1)
+    assert picked(where, "carriage", eye, arm - eye) == RobotPart(PartKind.BAR, "b1", 2)
+    assert picked(where, "m2", eye, five - eye) == RobotPart(PartKind.MOTOR, "M2", 1)
     assert picked(where, "platform", eye, five - eye) is None
     assert picked(where, "leg2/b4", eye, np.full(3, np.nan)) is None
 
