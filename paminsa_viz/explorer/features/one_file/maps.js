@@ -66,7 +66,7 @@ const createMaps = ({ current, move, begin }) => {
     const other = differs() ? solvePose(reference(), pose).torques[index] : 0;
     const value = found.ok ? `${number(found.torques[index] - other, 3 + robot.spare.torque)} N·m` : "out of reach";
     find("hover").textContent =
-      `x ${number(1e3 * x, 1)} mm, y ${number(1e3 * y, 1)} mm: ${symbol(index)} ${value}`;
+      `x ${millimeters(robot, x)} mm, y ${millimeters(robot, y)} mm: ${symbol(index)} ${value}`;
   };
   [0, 1, 2].forEach((index) => {
     const figure = document.createElement("figure");
@@ -113,7 +113,7 @@ const createMaps = ({ current, move, begin }) => {
 
   /** Return the maps for a file: light, of one size, with what they are of. */
   const forFile = () => {
-    const { doc } = current();
+    const { robot, doc } = current();
     const [side, gap, line] = [480, 16, 24];
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [3 * side + 4 * gap, side + 4 * line];
@@ -137,9 +137,10 @@ const createMaps = ({ current, move, begin }) => {
     const [x, y, theta, z] = doc.pose;
     const less = differs() ? `, less those of “${doc.reference.name}”` : "";
     write(`Static torques of “${doc.name}”${less}; ${doc.knee} knee, θ = ${number(DEGREES * theta, 2)}°, `
-      + `z = ${number(1e3 * z, 1)} mm. Circle: pose x = ${number(1e3 * x, 1)} mm, y = ${number(1e3 * y, 1)} mm.`,
+      + `z = ${millimeters(robot, z)} mm. Circle: pose x = ${millimeters(robot, x)} mm, y = ${millimeters(robot, y)} mm.`,
     gap, side + 2 * line);
-    write(`x and y from −${number(1e3 * extent(), 0)} to ${number(1e3 * extent(), 0)} mm. Blue: negative, `
+    const edge = number(1e3 * extent(), robot.spare.place);
+    write(`x and y from −${edge} to ${edge} mm. Blue: negative, `
       + `red: positive. Gray: out of reach. Dashed: singular. ${PAGE.madeBy}.`, gap, side + 3 * line);
     document.documentElement.classList.toggle("dark", wasDark);
     return canvas;

@@ -12,6 +12,9 @@ const number = (value, digits) => {
   return text.replace("-", Number(text) ? "\u2212" : ""); // zero has no sign
 };
 
+/** Return a place or a distance [m] in mm. */
+const millimeters = (robot, value) => number(1e3 * value, 1 + robot.spare.place);
+
 const decimals = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 
 /** Return the value of a number that is typed, with a point or a decimal comma, or what is wrong. */
@@ -37,7 +40,7 @@ const fillActuators = (robot, doc, solved) => {
   fill("actuators", solved.torques.map((torque, index) => {
     const [digits, unit] = index < 3 ? [3 + robot.spare.torque, "N·m"] : [2 + robot.spare.force, "N"];
     const position = index < 3 ? `${number(DEGREES * solved.actuators[index], 2)}°`
-      : `${number(1e3 * solved.actuators[3], 1)} mm`;
+      : `${millimeters(robot, solved.actuators[3])} mm`;
     const other = pinned
       ? [number(pinned.torques[index], digits), number(torque - pinned.torques[index], digits)] : [];
     const swatch = `<span class="swatch" style="background: var(--m${index + 1})"></span>`;
@@ -50,7 +53,7 @@ const fillMargins = (robot, doc, solved) => {
   const margins = [0, 1, 2].map((leg) => Object.values(paminsaLegMargins(robot.mechanism, AXIS_X[leg],
     AXIS_Y[leg], x, y, Math.cos(theta), Math.sin(theta), z)));
   fill("margins", PAGE.limits.map((label, limit) => [label, ...margins.map((leg, index) => {
-    const text = number(1e3 * leg[limit], 1);
+    const text = millimeters(robot, leg[limit]);
     return index + 1 === solved.leg && limit === solved.limit ? `<b>${text}</b>` : text;
   })]), ["", "Leg 1", "Leg 2", "Leg 3"]);
 };
@@ -60,20 +63,20 @@ const fillQuality = (robot, doc, solved) => {
   fill("quality", [
     ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4 + robot.spare.force)} N`],
     ["balanced by m₇ =", mass >= 0 ? `${number(mass, 3 + robot.spare.force)} kg` : "none"],
-    ["least margin", `${number(1e3 * solved.margin, 1)} mm, leg ${solved.leg}, ${PAGE.limits[solved.limit]}`],
+    ["least margin", `${millimeters(robot, solved.margin)} mm, leg ${solved.leg}, ${PAGE.limits[solved.limit]}`],
     ["condition number", number(solved.condition, 3)],
-    ["to the singular circle", `${number(1e3 * solved.position, 1)} mm`],
+    ["to the singular circle", `${millimeters(robot, solved.position)} mm`],
     ["to a singular rotation", Number.isFinite(solved.rotation)
       ? `${number(DEGREES * solved.rotation, 2)}°` : "none"],
   ]);
 };
 
-const writeStatus = (solved) => {
+const writeStatus = (robot, solved) => {
   const near = !(solved.condition < NEAR);
   const beyond = solved.position < 0 || solved.rotation < 0;
   find("status").className = !solved.ok ? "bad" : near || beyond ? "warn" : "ok";
   find("status").textContent = !solved.ok
-    ? `Out of reach: leg ${solved.leg}, ${PAGE.limits[solved.limit]}, by ${number(-1e3 * solved.margin, 1)} mm`
+    ? `Out of reach: leg ${solved.leg}, ${PAGE.limits[solved.limit]}, by ${millimeters(robot, -solved.margin)} mm`
     : beyond ? "Beyond a singularity" : near ? "Near a singularity" : "Reachable";
 };
 
@@ -82,5 +85,5 @@ const writeNumbers = (robot, doc, solved) => {
   fillActuators(robot, doc, solved);
   fillMargins(robot, doc, solved);
   fillQuality(robot, doc, solved);
-  writeStatus(solved);
+  writeStatus(robot, solved);
 };

@@ -139,7 +139,7 @@
       const { value } = readNumber(box.value);
       if (!steps || value === undefined) return;
       event.preventDefault();
-      write(toSi(Number((value + steps * entry.step).toFixed(9))));
+      write(toSi(Number((value + steps * entry.step).toFixed(decimals(entry.step) + 6))));
       request();
     });
     row.append(label, range, box);
@@ -307,8 +307,8 @@
         circle: paminsaWorkspaceCircle(robot.mechanism), singular, dark: isDark(), colors: pageColors(), moving,
       });
     const [x, y, theta, z] = (shown?.pose ?? doc.pose);
-    find("robot").setAttribute("aria-label", `The robot at x ${number(1e3 * x, 1)} mm, `
-      + `y ${number(1e3 * y, 1)} mm, θ ${number(DEGREES * theta, 1)}°, z ${number(1e3 * z, 1)} mm. `
+    find("robot").setAttribute("aria-label", `The robot at x ${millimeters(robot, x)} mm, `
+      + `y ${millimeters(robot, y)} mm, θ ${number(DEGREES * theta, 1)}°, z ${millimeters(robot, z)} mm. `
       + "Arrow keys turn the view, + and - zoom, Home shows all; the sliders move the platform.");
     document.documentElement.dataset.drawn = Number(document.documentElement.dataset.drawn ?? 0) + 1;
   };

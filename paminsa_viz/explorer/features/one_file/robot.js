@@ -10,15 +10,18 @@ const ownMass = (doc) => Object.values(PAGE.masses).reduce((sum, path) =>
   sum + (path === "platform.mass" ? 1 : /^(links|joints)\./.test(path) ? 3 : 0) * valueOf(doc, path), 0);
 
 /**
- * Return how many decimals more, or fewer, than of the prototype torques and forces at rest are
- * written with, as the program's `kit.robot_texts.decimals` has them.
+ * Return how many decimals more, or fewer, than of the prototype torques and forces at rest, and
+ * places in mm, are written with, as the program's `kit.robot_texts` has them.
  */
 const spareDecimals = (doc) => {
   const prototype = { design: {} };
   const bars = (of) => valueOf(of, "geometry.crank_length") + valueOf(of, "geometry.coupler_length");
   const weight = Math.log10(ownMass(doc) / ownMass(prototype));
-  const size = weight + Math.log10(bars(doc) / bars(prototype));
-  return { torque: -Math.round(Math.max(size, -8)), force: -Math.round(Math.max(weight, -6)) };
+  const length = Math.log10(bars(doc) / bars(prototype));
+  return {
+    torque: -Math.round(Math.max(weight + length, -8)), force: -Math.round(Math.max(weight, -6)),
+    place: Math.max(-Math.round(length), 0),
+  };
 };
 
 /** Return what the formulas need of a design. */

@@ -28,7 +28,7 @@ const createView = (canvas, { shown, request, move, release }) => {
   };
   const zoom = (factor) => {
     chosen = null;
-    const distance = Math.max(0.1, Math.min(20 * view.size, view.distance * factor));
+    const distance = Math.max(0.06 * view.size, Math.min(20 * view.size, view.distance * factor));
     view = { ...view, distance };
     request();
   };

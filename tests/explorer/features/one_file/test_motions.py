@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.kit.robot_texts import decimals
+from paminsa_viz.explorer.kit.robot_texts import decimals, millimeter_decimals
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, LoadCase, backend, torque_breakdown
 from paminsa_viz.trajectory import PRESETS
@@ -75,8 +75,8 @@ def test_states_and_torques_by_cause_are_those_of_python(tmp_path: Path) -> None
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node here")
-def test_torques_of_grams_have_the_decimals_of_the_served_page(tmp_path: Path) -> None:
-    robots = [prototype_times(factor) for factor in (0.1, 1.0, 5.0)]
+def test_numbers_of_any_robot_have_the_decimals_of_the_served_page(tmp_path: Path) -> None:
+    robots = [prototype_times(factor) for factor in (0.01, 0.1, 1.0, 5.0)]
     documents = [Document(design=each, pose=(0.0, 0.0, 0.0, 0.0)) for each in robots]
     run = "return given.map((text) => robotOf(checkedDocument(text)).spare);"
     found = run_in_node(run, documents, tmp_path)
@@ -86,3 +86,4 @@ def test_torques_of_grams_have_the_decimals_of_the_served_page(tmp_path: Path) -
             max(0, many + spare[of]) for many, of in zip(usual, ("torque", "force"), strict=True)
         ]
         assert shown == list(decimals(robot))
+        assert 1 + spare["place"] == millimeter_decimals(robot.geometry)

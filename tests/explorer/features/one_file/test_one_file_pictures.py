@@ -5,17 +5,21 @@ from __future__ import annotations
 import io
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from paminsa_viz.explorer.core.persistence import share_code
+from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.palette import LIGHT, rgb
+from paminsa_viz.webpage import code_page
 from tests.explorer.features.one_file.opened import OTHER, START, Opened
 from tests.explorer.test_page_sections import CHECK, RULES
 from tests.support.chromium import until, watch_errors
+from tests.support.samples import enlarged
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -103,6 +107,35 @@ def test_robot_is_drawn_and_moves_with_its_handle(opened: Opened) -> None:
     assert moved.pose[:3] == START.pose[:3]
     page.get_by_role("button", name="Undo").click()
     opened.wait(lambda found: found == START)
+
+
+def test_a_robot_of_millimeters_is_stepped_and_seen_as_closely_as_a_large_one(
+    browser: Any, tmp_path: Path
+) -> None:
+    small = enlarged(APPENDIX_4, 0.01)
+    path = tmp_path / "small.html"
+    document = Document(design=small, pose=(0.0008, 0.0005, np.pi / 3, -0.0055))
+    path.write_text(code_page(share_code(document)), encoding="utf-8")
+    opened = Opened(browser, path)
+    page = opened.page
+    try:
+        inertia = page.locator("[id='platform.inertia']")
+        page.get_by_text("Inertias of platform and payload").click()
+        inertia.press("ArrowUp")
+        opened.wait(lambda found: 1 < found.design.platform.inertia / small.platform.inertia < 1.01)
+        page.evaluate("window.drawn = true")
+        canvas, place = page.locator("#robot"), "window.paminsaPage.view.handlePlace()"
+        canvas.press("Home")
+        u, v = until(
+            lambda: (p := page.evaluate(place)) and np.isfinite(p).all() and p, "it is drawn"
+        )
+        canvas.press("+")
+        nearer = until(lambda: (p := page.evaluate(place)) != [u, v] and p, "the view has changed")
+        assert np.hypot(nearer[0] - 0.5, nearer[1] - 0.5) > np.hypot(u - 0.5, v - 0.5)
+        assert "at x 0.800 mm, y 0.500 mm" in (canvas.get_attribute("aria-label") or "")
+        assert opened.errors == []
+    finally:
+        opened.context.close()
 
 
 def test_maps_show_the_difference_from_the_pinned_design(opened: Opened) -> None:
