@@ -277,6 +277,15 @@ BROKEN_WORDS = """() => {
 CAPTIONS = """() => Math.max(...[...document.querySelectorAll("caption span")].map((text) =>
   text.getBoundingClientRect().right))"""
 """Where the widest caption of a table ends."""
+NARROWEST = """() => Math.min(...[...document.querySelectorAll("figure:not(.half) img")]
+  .map((picture) => picture.clientWidth))"""
+"""Width of the smallest figure of a whole line."""
+LINES_OF_FACTS = """() => {
+  const facts = document.querySelectorAll(".fact");
+  if (facts.length === 5) facts[0].after(facts[0].cloneNode(true)); // as when a trajectory fails
+  return new Set([...document.querySelectorAll(".fact")].map((fact) => fact.offsetTop)).size;
+}"""
+"""Lines of the opening's numbers, of six of them."""
 
 
 @pytest.mark.browser
@@ -302,10 +311,12 @@ def test_browser_shows_and_prints_the_report_without_requests(
         assert across <= width
         assert page.evaluate(BROKEN_WORDS) == []
         assert page.evaluate(CAPTIONS) <= width
+        assert page.evaluate(NARROWEST) > 500  # pixels, or letters would be too small to read
     printed = page.pdf(prefer_css_page_size=True)
     page.set_viewport_size({"width": PAPER, "height": 900})
     page.emulate_media(media="print")
     assert page.evaluate(TABLES) <= PAPER + 1
+    assert page.evaluate(LINES_OF_FACTS) == 1
     page.close()
     assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
     assert said == []
