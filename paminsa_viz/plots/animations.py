@@ -151,11 +151,15 @@ def _animated_picture(
 
 _QUALITY: Final = "20"
 """Constant rate factor of H.264; 0 is lossless, 23 its default, 51 the worst."""
+_BT709: Final = 1
+"""Number of ITU-R BT.709 in H.264, for matrix, primaries and transfer: of a video that does not
+say its own, players take that of large pictures, and another one of small ones."""
 
 
 def _mp4(frames: Frames, step: float, count: int) -> bytes:
     """Return pictures as a video: H.264 with colors at half the resolution, as all players read."""
     import av
+    from av.video.reformatter import ColorRange, Colorspace
 
     del count
 
@@ -164,12 +168,20 @@ def _mp4(frames: Frames, step: float, count: int) -> bytes:
         rate = Fraction(1.0 / step).limit_denominator(10_000)
         video = container.add_stream("libx264", rate=rate, options={"crf": _QUALITY})
         video.pix_fmt = "yuv420p"
+        context = video.codec_context
+        context.colorspace = context.color_primaries = context.color_trc = _BT709
+        context.color_range = ColorRange.MPEG
         for index, frame in enumerate(frames):
             height, width = (side // 2 * 2 for side in frame.shape[:2])  # it has even sides only
             if index == 0:
                 video.width, video.height = width, height
             picture = np.ascontiguousarray(frame[:height, :width])
-            container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+            colored = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
+                format="yuv420p",
+                dst_colorspace=Colorspace.ITU709,
+                dst_color_range=ColorRange.MPEG,
+            )
+            container.mux(video.encode(colored))
         container.mux(video.encode(None))
     return stream.getvalue()
 

@@ -106,3 +106,21 @@ def test_gif_takes_its_true_time(step: float) -> None:
     assert len(shown) == 45
     assert sum(shown) == pytest.approx(45e3 * step, abs=5)
     assert max(shown) - min(shown) <= 10
+
+
+def test_a_video_has_the_colors_of_its_pictures_in_every_player() -> None:
+    """It says that its luma and chroma are those of ITU-R BT.709, and they are."""
+    av = pytest.importorskip("av")
+    color = np.array([0, 158, 115])
+    picture = np.broadcast_to(color.astype(np.uint8), (64, 80, 3))
+    content = ANIMATION_FORMATS["mp4"].encode(iter([picture]), 0.1, 1)
+    with av.open(io.BytesIO(content)) as container:
+        context = container.streams.video[0].codec_context
+        tags = context.colorspace, context.color_primaries, context.color_trc, context.color_range
+        assert [int(tag) for tag in tags] == [1, 1, 1, 1]
+        planes = next(container.decode(video=0)).planes
+        found = [np.frombuffer(plane, np.uint8)[0] for plane in planes]
+    luma = np.array([0.2126, 0.7152, 0.0722]) @ color / 255
+    blue, red = (color[2] / 255 - luma) / 1.8556, (color[0] / 255 - luma) / 1.5748
+    wanted = [16 + 219 * luma, 128 + 224 * blue, 128 + 224 * red]
+    np.testing.assert_allclose(np.array(found, dtype=float), wanted, atol=1.5)
