@@ -19,8 +19,8 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow
 from paminsa_viz.explorer.scene.curves import circles, linear_colors, segments
-from paminsa_viz.explorer.scene.nodes import Node, arrows, label, lines, mesh
-from paminsa_viz.explorer.scene.sizes import below, symbol_size
+from paminsa_viz.explorer.scene.nodes import Node, arrows, label, label_below, lines, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import center_wrench
 from paminsa_viz.model.arrays import Array
@@ -197,7 +197,7 @@ def force_polygon(frame: Frame) -> Iterator[Node]:
     dashed = segments(circles(radius * BAR / scale, 48))[::2]
     yield lines("/forces/disc", center + dashed, frame.state.theme.ink, 2.0)
     text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale, size)})"
-    yield label("/forces/polygon label", text, below(platform, "force_polygon", size))
+    yield label_below("/forces/polygon label", text, platform, "force_polygon", size)
 
 
 def wrench_solid(frame: Frame) -> Iterator[Node]:
@@ -221,7 +221,7 @@ def wrench_solid(frame: Frame) -> Iterator[Node]:
     yield lines("/forces/edges", places[np.array(_EDGES)], colors[:, None].repeat(2, axis=1), 2.5)
     limit, up = found.faces[found.limiting_face], "moment over platform radius"
     text = f"limit: {limit} (up: {up}; {scale_text(scale, size)})"
-    yield label("/forces/solid label", text, below(center, "wrench_solid", size))
+    yield label_below("/forces/solid label", text, center, "wrench_solid", size)
 
 
 def _polytope(frame: Frame) -> WrenchPolytope | None:

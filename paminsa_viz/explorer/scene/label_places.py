@@ -78,3 +78,17 @@ def apart(places: Array, camera: Any, size: tuple[float, float]) -> Array:
     seen, depth = projection.seen(places)
     lift = lifts(seen, size) * np.maximum(depth, 0.0) / projection.focal
     return places + lift[:, None] * projection.up
+
+
+def hung(places: Array, down: Array, camera: Any) -> Array:
+    """Return places (n, 3) [m] of labels that are as far below on the screen as they are in space.
+
+    Args:
+        places: Where they are in space.
+        down: How far below what they are of, (n,) [m].
+        camera: The tab's camera.
+    """
+    projection = Projection.of(camera)
+    if projection is None:
+        return places
+    return places + down[:, None] * (np.array([0.0, 0.0, 1.0]) - projection.up)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,8 @@ from viser import SceneApi
 
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import bands, dashes, linear_colors, segments
-from paminsa_viz.explorer.scene.label_places import apart
+from paminsa_viz.explorer.scene.label_places import apart, hung
+from paminsa_viz.explorer.scene.sizes import hanging
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import INK, rgb
 
@@ -43,6 +44,7 @@ class Node:
         count: Parts whose number may not change; with another one it is made again.
         click: Called when it is clicked.
         spaced: Width and height of a label [px] that is kept clear of others of its layer.
+        hanging: How far below what it is of a label is on the screen [m], see `label_below`.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Node:
     count: int = 0
     click: Callable[[Any], Any] | None = None
     spaced: tuple[float, float] | None = None
+    hanging: float = 0.0
 
 
 def lines(name: str, points: ArrayLike, color: str | NDArray[np.uint8], width: float) -> Node:
@@ -204,6 +207,22 @@ def label(
     return Node(name, "label", live, fixed, spaced=spaced)
 
 
+def label_below(name: str, text: str, center: ArrayLike, layer: str, size: float) -> Node:
+    """Return the label of one of `LABELS_BELOW`, clear of those of the others.
+
+    It is below the center on the screen: from above, those at different heights would coincide.
+
+    Args:
+        name: Scene name.
+        text: What it says.
+        center: The platform's center (3,) [m].
+        layer: Key of the layer.
+        size: Of the symbols, see `symbol_size`.
+    """
+    down = hanging(layer, size)
+    return replace(label(name, text, np.asarray(center) - [0.0, 0.0, down]), hanging=down)
+
+
 class Nodes:
     """The nodes in a scene that one layer has drawn.
 
@@ -231,13 +250,16 @@ class Nodes:
                     self._shown[node.name] = (node, self._put(node))
 
     def arrange(self, camera: Any, pixel_ratio: float) -> bool:
-        """Put labels where none covers another; return whether there are any to be kept apart."""
+        """Put labels where none covers another; return whether the camera decides that."""
         with self._lock:
-            found = [each for each in self._shown.values() if each[0].spaced is not None]
+            found = [each for each in self._shown.values() if _is_arranged(each[0])]
             if not found:
                 return False
             places = np.array([node.live["position"] for node, _ in found], dtype=np.float64)
+            down = np.array([node.hanging for node, _ in found])
             size = found[0][0].spaced
+            if camera is not None:
+                places = hung(places, down, camera)
             if camera is not None and size is not None:
                 width, height = size
                 places = apart(places, camera, (pixel_ratio * width, pixel_ratio * height))
@@ -249,8 +271,8 @@ class Nodes:
         before, handle = self._shown.get(node.name, (None, None))
         if before is not None and before.count == node.count:
             for name, value in node.live.items():
-                moved_by_spacing = node.spaced is not None and name == "position"
-                if value is not before.live[name] and not moved_by_spacing:
+                arranged = _is_arranged(node) and name == "position"
+                if value is not before.live[name] and not arranged:
                     setattr(handle, name, value)  # viser sends only what is different
             return handle
         if handle is not None:
@@ -260,6 +282,11 @@ class Nodes:
         if node.click is not None:
             handle.on_click(node.click)
         return handle
+
+
+def _is_arranged(node: Node) -> bool:
+    """Whether the camera decides where a label is."""
+    return node.spaced is not None or node.hanging > 0.0
 
 
 Draw = Callable[[Frame], Iterable[Node]]

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from paminsa_viz.model import Geometry
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.resizing import length_ratio
 
 LEAST: Final = 0.5
@@ -24,7 +20,7 @@ LABELS_BELOW: Final = (
     "drive_errors", "escape_twist", "force_polygon", "mode_shape", "deflection", "compliance",
     "wrench_solid",
 )  # fmt: skip
-"""Layers whose labels are below the platform, from its center downward."""
+"""Layers whose labels are below the platform on the screen, from its center downward."""
 
 
 def symbol_size(geometry: Geometry) -> float:
@@ -36,13 +32,11 @@ def symbol_size(geometry: Geometry) -> float:
     return bodies * round(max(length_ratio(geometry) / bodies, LEAST), 2)
 
 
-def below(center: ArrayLike, layer: str, size: float) -> Array:
-    """Return where the label of one of `LABELS_BELOW` is, clear of the others, (3,) [m].
+def hanging(layer: str, size: float) -> float:
+    """Return how far below the platform's center the label of one of `LABELS_BELOW` is [m].
 
     Args:
-        center: The platform's center (3,) [m].
         layer: Key of the layer.
         size: Of the symbols, see `symbol_size`.
     """
-    down = _FIRST + _LINE * LABELS_BELOW.index(layer)
-    return np.asarray(center) - [0.0, 0.0, size * down]
+    return size * (_FIRST + _LINE * LABELS_BELOW.index(layer))

@@ -18,9 +18,10 @@ from paminsa_viz.explorer.scene import nodes
 from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.explorer.scene.context import SceneContext
-from paminsa_viz.explorer.scene.label_places import Projection, apart, lifts
+from paminsa_viz.explorer.scene.label_places import Projection, apart, hung, lifts
 from paminsa_viz.explorer.scene.mechanism import NUMBER_SIZE, skeleton
-from paminsa_viz.explorer.scene.nodes import LayerView
+from paminsa_viz.explorer.scene.nodes import LayerView, label_below
+from paminsa_viz.explorer.scene.sizes import LABELS_BELOW
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.parameters import LEG_JOINTS
@@ -99,6 +100,26 @@ def test_names_of_the_actuators_are_apart_from_every_side(knee: KneeBranch, heig
         moved = projection.seen(after)[0] - projection.seen(before)[0]
         assert np.abs(moved[:, 0]).max() < 1e-6
         assert moved[:, 1].max() < 2 * NAME_SIZE[1] + 1e-6
+
+
+def test_labels_below_the_platform_stand_clear_of_one_another_from_every_side() -> None:
+    """Of all layers; in space too, for what has no camera."""
+    assert set(LABELS_BELOW) <= LAYERS.keys()
+    nodes = [label_below(name, "", (0.08, 0.05, -0.55), name, 1.0) for name in LABELS_BELOW]
+    places = np.array([node.live["position"] for node in nodes])
+    down = np.array([node.hanging for node in nodes])
+    assert np.diff(places[:, 2]).max() <= -0.055  # a letter is some 0.05 m in a robot of this size
+    for name, view in cameras_around(APPENDIX_4.geometry):
+        camera = SimpleNamespace(
+            position=view.position, look_at=view.look_at, up_direction=view.up, fov=view.fov,
+            image_height=720,
+        )  # fmt: skip
+        projection = Projection.of(camera)
+        assert projection is not None
+        seen = projection.seen(hung(places, down, camera))[0]
+        assert np.diff(seen[:, 1]).max() < -0.7 * NAME_SIZE[1], name
+        assert np.ptp(seen[:, 0]) < 1e-6
+    assert hung(places, down, SimpleNamespace(**(vars(camera) | {"image_height": 0}))) is places
 
 
 def test_projection_agrees_with_the_picture() -> None:

@@ -13,8 +13,8 @@ from paminsa_viz import palette
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.curves import circles, segments
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
-from paminsa_viz.explorer.scene.nodes import Node, label, lines, mesh
-from paminsa_viz.explorer.scene.sizes import below, symbol_size
+from paminsa_viz.explorer.scene.nodes import Node, label_below, lines, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.kept import kept
 from paminsa_viz.model import DriveAccuracy, Geometry, jacobian
 from paminsa_viz.model.arrays import Array, Pose
@@ -109,7 +109,7 @@ def drive_error_nodes(frame: Frame) -> Iterator[Node]:
         yield lines("/drive_errors/edges", center + edges * drawn, ERROR_COLOR, 2.5)
         rings = center + rms_rings(found, geometry) * drawn
         yield lines("/drive_errors/rms", rings, frame.state.theme.shown(RMS_COLOR), 2.0)
-    yield label("/drive_errors/label", text, below(center, "drive_errors", size))
+    yield label_below("/drive_errors/label", text, center, "drive_errors", size)
 
 
 def error_text(found: DriveErrors, scale: float, size: float) -> str:

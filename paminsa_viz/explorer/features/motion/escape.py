@@ -9,8 +9,8 @@ import numpy as np
 
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.frame import Frame
-from paminsa_viz.explorer.scene.nodes import Node, arrows, label
-from paminsa_viz.explorer.scene.sizes import below, symbol_size
+from paminsa_viz.explorer.scene.nodes import Node, arrows, label_below
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.layers import LegendRow
 from paminsa_viz.model import Geometry, inverse_kinematics
 from paminsa_viz.model.arrays import Array
@@ -55,7 +55,7 @@ def escape_arrows(frame: Frame) -> Iterator[Node]:
     for index, item in enumerate(found.crossings):
         x, y, _, z = item.crossing.pose
         text = f"Escape twist at the {item.crossing.locus.label}"
-        yield label(f"/escape/label{index}", text, below((x, y, z), "escape_twist", size))
+        yield label_below(f"/escape/label{index}", text, (x, y, z), "escape_twist", size)
 
 
 def escape_meaning(frame: Frame) -> LegendRow:

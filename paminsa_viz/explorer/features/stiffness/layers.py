@@ -10,8 +10,8 @@ import numpy as np
 from paminsa_viz.elastostatics.center_lines import CenterLines
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.forces import BAR, round_scale, scale_text
-from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label, mesh
-from paminsa_viz.explorer.scene.sizes import below, symbol_size
+from paminsa_viz.explorer.scene.nodes import NO_SHADOWS, Node, ball, curves, label_below, mesh
+from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.stiffness import CASES, MODE_NODE, ElasticOutcome
 from paminsa_viz.kept import kept
 from paminsa_viz.meshes.vibrating import vibrating_glb
@@ -72,7 +72,7 @@ def _animated(
     x, y, _, z = pose
     return (
         Node(MODE_NODE, "glb", {"glb_data": data}, NO_SHADOWS),
-        label(f"{MODE_NODE}_label", text, below((x, y, z), "mode_shape", size)),
+        label_below(f"{MODE_NODE}_label", text, (x, y, z), "mode_shape", size),
     )
 
 
@@ -94,9 +94,9 @@ def deflection(frame: Frame) -> Iterator[Node]:
     scale = BAR / round_scale(float(found.largest[0]), LARGEST * size)
     moved = found.points + scale * found.moves[..., 0]
     yield curves("/elastic/deflected", moved, frame.state.theme.shown(DEFLECTED_COLOR), 4.0)
-    place = below(found.points[found.names.index("platform"), 0], "deflection", size)
+    center = found.points[found.names.index("platform"), 0]
     text = f"deflection × {number(scale, 3)}: {CASES[outcome.job.case][0]}"
-    yield label("/elastic/deflected_label", text, place)
+    yield label_below("/elastic/deflected_label", text, center, "deflection", size)
 
 
 def compliance(frame: Frame) -> Iterator[Node]:
@@ -113,8 +113,8 @@ def compliance(frame: Frame) -> Iterator[Node]:
     yield mesh(
         "/elastic/ellipsoid", shape, ball(1.0).faces, ELLIPSOID_COLOR, place=(x, y, z), opacity=0.45
     )
-    place = below((x, y, z), "compliance", size)
-    yield label("/elastic/ellipsoid_label", ellipsoid_text(scale, size), place)
+    text = ellipsoid_text(scale, size)
+    yield label_below("/elastic/ellipsoid_label", text, (x, y, z), "compliance", size)
 
 
 def ellipsoid_text(scale: float, size: float) -> str:

@@ -22,8 +22,6 @@ from paminsa_viz.explorer.features.stiffness.layers import (
 from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
 from paminsa_viz.explorer.scene.forces import BAR, round_scale
 from paminsa_viz.explorer.scene.nodes import ball
-from paminsa_viz.explorer.scene.sizes import LABELS_BELOW, below
-from paminsa_viz.explorer.state.layers import LAYERS as ALL_LAYERS
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.stiffness import ElasticJob, ElasticOutcome
 from paminsa_viz.meshes.vibrating import KEYS, SIDES, vibrating_glb
@@ -36,14 +34,6 @@ LAYERS = ("mode_shape", "deflection", "compliance")
 @pytest.fixture(scope="module")
 def outcome() -> ElasticOutcome:
     return solve(analyze_elasticity, ElasticJob(APPENDIX_4, POSE, "x"))
-
-
-def test_labels_below_the_platform_stand_clear_of_one_another() -> None:
-    """Of all layers: on the page a letter is some 0.05 m in a robot of this size."""
-    places = np.array([below(POSE[:3], name, 1.0) for name in LABELS_BELOW])
-    assert set(LABELS_BELOW) <= ALL_LAYERS.keys()
-    assert np.diff(places[:, 2]).max() <= -0.055
-    np.testing.assert_array_equal(places[:, :2], np.tile(POSE[:2], (len(places), 1)))
 
 
 @pytest.mark.slow
