@@ -344,6 +344,8 @@ def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
     chips, tracks = ".pv-reference button[aria-pressed=false]", ".mantine-Slider-trackContainer"
     assert tab.page.evaluate(REACHED, [chips, 3]) == [True, True]  # 18 pixels high
     assert tab.page.evaluate(REACHED, [tracks, 7])[:2] == [True, True]  # 3 pixels high
+    assert tab.number_box("x  [mm]").bounding_box()["height"] >= 30
+    assert tab.page.get_by_role("button", name="Home").bounding_box()["height"] >= 30
     tab.session.open_tab("Balance")  # as the command palette, the tour and links do
     until(lambda: tab.is_open("Balance"), "the section is open")
     tab.page.get_by_role("button", name="Balance", exact=True).first.click()

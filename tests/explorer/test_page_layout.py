@@ -118,6 +118,20 @@ AROUND = """() => {
 }"""
 
 
+ROOM = """() => {
+  const parts = [...document.querySelectorAll(".pv-summary > *")];
+  const view = parts[0].closest(".mantine-ScrollArea-root");
+  const bar = view.querySelector('[data-orientation="vertical"][data-state="visible"]');
+  return bar && bar.getBoundingClientRect().left
+    - Math.max(...parts.map((part) => part.getBoundingClientRect().right));
+}"""
+
+
+def test_the_strip_keeps_clear_of_the_scrollbar(tab: Tab) -> None:
+    tab.open_tab("Masses")
+    assert until(lambda: tab.page.evaluate(ROOM), "the section scrolls") >= 1
+
+
 def test_a_shut_folder_has_as_much_room_below_it_as_above(tab: Tab) -> None:
     tab.open_tab("Synthesis")
     above, below = until(lambda: tab.page.evaluate(AROUND), "the folder")

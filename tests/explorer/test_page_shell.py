@@ -19,7 +19,7 @@ from paminsa_viz.explorer.features.synthesis.actions import SEARCH
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.view import Docks
 from paminsa_viz.explorer.tabs import add_tabs
-from paminsa_viz.model import static_torques
+from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.units import number
 from tests.support.chromium import Tab, until
 
@@ -311,6 +311,31 @@ def test_symbols_have_subscripts_and_no_underscores(tab: Tab) -> None:
     tab.open_tab("Lengths")
     shown = until(lambda: tab.page.evaluate(SYMBOLS), "the symbols of lengths")
     assert {"<i>k</i>", "<i>l</i><sub>B4</sub> = <i>k</i>·<i>l</i><sub>B7</sub>"} <= {*shown}
+
+
+def test_symbols_of_buttons_lists_and_tooltips_are_set_as_those_of_labels(tab: Tab) -> None:
+    tab.open_tab("Lengths")
+    tab.dispatch(lambda state: actions.vary(state, {"geometry.base_radius": 0.36}))
+    reset = tab.page.get_by_role("button", name="R_b", exact=True)
+    assert reset.locator(".pv-symbol").inner_html() == "<i>R</i><sub>b</sub>"
+    reset.locator("sub").click()
+    until(lambda: tab.state.document.design == APPENDIX_4, "the radius is set back")
+    box = tab.number_box("|X₄| max [mm]")
+    tab.steady_box(box)  # where the row of buttons was
+    box.hover()
+    tooltip = tab.page.locator("[role=tooltip] > .pv-symbol")
+    tooltip.wait_for()
+    assert "as long as <i>l</i><sub>B10</sub>" in tooltip.inner_html()
+    tab.open_tab("Errors")
+    tab.open_tab("Manufacture")
+    tab.page.get_by_text("Deviations of each leg", exact=True).click()
+    tab.dispatch(lambda state: state.updated("monte_carlo.settings", length=9))
+    chosen = tab.page.locator("input + .pv-symbol", has_text="leg axis from the base center")
+    chosen.wait_for()
+    assert chosen.locator("sub").inner_text() == "b"
+    tab.element("Length").click()
+    option = tab.page.get_by_role("option", name="R_pl joint 5 from the center")
+    assert option.locator(".pv-symbol").inner_text() == "Rpl joint 5 from the center"
 
 
 def test_name_with_a_symbol_switches_its_checkbox(tab: Tab) -> None:

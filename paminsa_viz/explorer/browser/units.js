@@ -1,6 +1,7 @@
 /**
  * Puts the unit of an input behind its field: of a label `x [mm]`, the name is seen before it; and
- * sets symbols such as `m_B3`, `m₂` and `k` as variables, with their subscripts.
+ * sets symbols such as `m_B3`, `m₂` and `k` as variables, with their subscripts, also on buttons, in
+ * lists and in tooltips.
  *
  * The style sheet shows name and unit from attributes; a name with subscripts is an element beside
  * the label. The label's own text stays as it is, unseen:
@@ -9,6 +10,7 @@
  */
 (() => {
   "use strict";
+  window.paminsaUnits?.stop();
   const LONG = { "N·m/rad": "long-units", "N·m·s/rad": "longer-units" };
   const LABEL = /^(.*\S)\s*\[(\S+)\]$/;
   /** Name and unit of a label; without a unit, neither. */
@@ -16,7 +18,6 @@
     const [, name, unit] = text.match(LABEL) ?? [];
     return { name, unit };
   };
-  window.paminsaUnits = { split };
   const set = (element, name, text) => {
     if (text) element.setAttribute(name, text);
     else element.removeAttribute(name);
@@ -24,8 +25,8 @@
   // A variable: a letter with its index, `m_B3` or `m₂`, or one that stands alone.
   const SYMBOL = /(?<![\p{L}\p{N}])(?:([A-Za-z])(?:_([A-Za-z0-9]+)|([₀-₉]+))|([EGIJgkrtxyzθ])(?![\p{L}\p{N}]))/gu;
   const onLine = (digits) => digits.replace(/[₀-₉]/g, (digit) => digit.charCodeAt(0) - 0x2080);
-  const typeset = (label, name) => {
-    let shown = label.parentElement.querySelector(":scope > .pv-symbol");
+  const typeset = (label, name, host = label.parentElement) => {
+    let shown = host.querySelector(":scope > .pv-symbol");
     if (name.search(SYMBOL) < 0) {
       shown?.remove();
       label.removeAttribute("data-paminsa-unseen");
@@ -35,8 +36,9 @@
       shown = document.createElement("span");
       shown.className = "pv-symbol";
       shown.setAttribute("aria-hidden", "true");
-      shown.onclick = () => label.click(); // as the label does that it stands for
-      label.after(shown);
+      if (label.control) shown.onclick = () => label.click(); // as the label does that it stands for
+      if (host === label) label.append(shown);
+      else label.after(shown);
     }
     label.dataset.paminsaUnseen = "";
     const plain = document.createElement("i");
@@ -45,7 +47,24 @@
       alone ? `<i>${alone}</i>` : `<i>${letter}</i><sub>${below ?? onLine(digits)}</sub>`);
     if (shown.innerHTML !== html) shown.innerHTML = html;
   };
-  window.paminsaMarks.watch("p > label[for]", (label) => {
+  const { watch } = window.paminsaMarks;
+  const BUTTON = ".mantine-Flex-root > .mantine-Button-root .mantine-Button-label"; // of a row
+  const OPTION = ".mantine-Select-option > span:not(.pv-symbol)";
+  watch(`${BUTTON}, ${OPTION}`, (label) => typeset(label, label.textContent.trim()));
+  watch('[role="tooltip"]', (tooltip) => {
+    const text = [...tooltip.childNodes].find((node) => node.nodeType === Node.TEXT_NODE);
+    if (text) typeset(tooltip, text.data, tooltip);
+  });
+  // What is chosen of a list is the value of an input, which the page writes into its attribute too.
+  const CHOSEN = "input.mantine-Select-input";
+  const choose = (input) => typeset(input, input.value);
+  const chosen = new MutationObserver((changes) => {
+    for (const { target } of changes) if (target.matches(CHOSEN)) choose(target);
+  });
+  chosen.observe(document.body, { attributeFilter: ["value"], subtree: true });
+  watch(CHOSEN, choose);
+  window.paminsaUnits = { split, stop: () => chosen.disconnect() };
+  watch("p > label[for]", (label) => {
     const row = label.closest('[data-paminsa-mark~="row"]');
     const field = row?.lastElementChild;
     if (!field || field.contains(label)) return;
