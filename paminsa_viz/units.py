@@ -161,13 +161,17 @@ def percent_change(before: float, after: float) -> str:
     return f"{text.replace('-', '−')} %" if float(text) else "≈ 0 %"
 
 
-def as_sentence(text: str) -> str:
-    """Return what an error says as a sentence: with a capital letter and a period.
+def capitalized(text: str) -> str:
+    """Return a text with a capital letter.
 
     A symbol or the name of a file or of a value that it begins with stays as it is written.
     """
-    if _WORD.match(text):
-        text = text[0].upper() + text[1:]
+    return text[0].upper() + text[1:] if _WORD.match(text) else text
+
+
+def as_sentence(text: str) -> str:
+    """Return what an error says as a sentence: with a capital letter and a period."""
+    text = capitalized(text)
     return text if not text or text[-1] in ".!?…" else f"{text}."
 
 

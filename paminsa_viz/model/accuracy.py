@@ -29,12 +29,12 @@ class DriveAccuracy(Group, path="accuracy", limits=(1e-12, 1.0)):
     """
 
     resolution_rotary: float = parameter(
-        DEFAULT_RESOLUTION, "r_M", "rad", "one count of the encoders of M1..M3"
+        DEFAULT_RESOLUTION, "r_M", "rad", "one count of the encoders of M1 to M3"
     )
     resolution_linear: float = parameter(1e-5, "r_4", "m", "one count of the encoder of M4")
-    backlash_rotary: float = parameter(0.0, "s_M", "rad", "backlash of M1..M3, full width")
+    backlash_rotary: float = parameter(0.0, "s_M", "rad", "backlash of M1 to M3, full width")
     backlash_linear: float = parameter(0.0, "s_4", "m", "backlash of M4, full width")
-    control_rotary: float = parameter(0.0, "e_M", "rad", "controller error of M1..M3, ±")
+    control_rotary: float = parameter(0.0, "e_M", "rad", "controller error of M1 to M3, ±")
     control_linear: float = parameter(0.0, "e_4", "m", "controller error of M4, ±")
 
     @property
@@ -89,7 +89,7 @@ class Tolerances(Group, path="tolerances"):
     axis_angle: float = parameter(6e-4, "t_ab", "rad", "direction of the leg axis, ±")
     joint_radius: float = parameter(1.5e-4, "t_Rpl", "m", "joint 5 from the center, ±")
     joint_angle: float = parameter(1.5e-3, "t_apl", "rad", "direction of joint 5, ±")
-    actuator_zero: float = parameter(4e-4, "t_M", "rad", "zero of M1..M3, ±")
+    actuator_zero: float = parameter(4e-4, "t_M", "rad", "zero of M1 to M3, ±")
     pin_clearance: float = parameter(2e-5, "c_p", "m", "clearance of the pins")
     guide_clearance: float = parameter(2e-5, "c_g", "m", "clearance of the guide")
 
@@ -123,7 +123,7 @@ class LegDeviations(Group, path="deviations"):
     guide_height: float = _length("h_8", "m", "guide above the base plane")
     axis_radius: float = _length("R_b", "m", "leg axis from the base center")
     axis_angle: float = _length("a_b", "rad", "direction of the leg axis")
-    joint_radius: float = _length("R_pl", "m", "joint 5 from the platform center")
+    joint_radius: float = _length("R_pl", "m", "joint 5 from the center")
     joint_angle: float = _length("a_pl", "rad", "direction of joint 5")
     actuator_zero: float = _length("z_M", "rad", "zero of actuator M_k")
 

@@ -83,7 +83,7 @@ class _Rigidities(Group, path="elastic"):
     density: float = parameter(2700.0, "rho", "kg/m^3", "density of the bars", positive=True)
     yield_stress: float = parameter(240e6, "R_p", "Pa", "yield stress of the bars", positive=True)
     drive_rotary: float = parameter(
-        1e4, "k_M", "N m/rad", "stiffness of M1..M3, motor locked", positive=True
+        1e4, "k_M", "N m/rad", "stiffness of M1 to M3, motor locked", positive=True
     )
     drive_linear: float = parameter(
         5e7, "k_4", "N/m", "stiffness of M4, motor locked", positive=True

@@ -353,8 +353,8 @@ class Friction(Group, path="friction"):
     simulations integrable and gives no torque at rest.
     """
 
-    viscous_rotary: float = parameter(0.0, "b_M", "N m s/rad", "viscous friction of M1..M3")
-    coulomb_rotary: float = parameter(0.0, "c_M", "N m", "Coulomb friction of M1..M3")
+    viscous_rotary: float = parameter(0.0, "b_M", "N m s/rad", "viscous friction of M1 to M3")
+    coulomb_rotary: float = parameter(0.0, "c_M", "N m", "Coulomb friction of M1 to M3")
     viscous_linear: float = parameter(0.0, "b_4", "N s/m", "viscous friction of M4")
     coulomb_linear: float = parameter(0.0, "c_4", "N", "Coulomb friction of M4")
     transition_speed: float = parameter(

@@ -26,7 +26,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.geometry import BODY_SCALE
 from paminsa_viz.model.resizing import length_ratio
-from paminsa_viz.units import DisplayUnit, number, symbol_text
+from paminsa_viz.units import DisplayUnit, capitalized, number, symbol_text
 
 STROKE = "geometry.guide_stroke"
 
@@ -230,12 +230,17 @@ def label(parameter: Parameter) -> str:
     return " ".join(filter(None, words))
 
 
+def what(parameter: Parameter) -> str:
+    """Return what a parameter is; the default that its label may end with is said by itself."""
+    return capitalized(parameter.label.partition(" (default: ")[0])
+
+
 def hint(parameter: Parameter) -> str:
     """Return what a parameter is, and Appendix 4's value."""
     default = parameter.display.format(parameter.default, DIGITS)
     if parameter.path == STROKE:
-        default = "as long as l_B10, and it follows l_B10 until it is set"
-    name = parameter.label[:1].upper() + parameter.label[1:]
+        default = "as long as l_B10, which it follows until it is set"
+    name = what(parameter)
     if parameter.group == "elastic":
         return f"{name}. Default: {default}."
     if parameter.group == "load":

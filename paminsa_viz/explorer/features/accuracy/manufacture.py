@@ -9,7 +9,7 @@ from paminsa_viz.blocks.kinds import Table
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.features.accuracy.monte_carlo import MONTE_CARLO, setting, shown_lengths
-from paminsa_viz.explorer.kit.design_numbers import set_value
+from paminsa_viz.explorer.kit.design_numbers import set_value, what
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.kit.text import blocks_html, render
@@ -106,7 +106,7 @@ def error_slider(path: str, label: str, high: float, step: float, hint: str = ""
     unit = display_unit("m:um" if parameter.unit == "m" else "rad")
     return Slider(
         path, f"{label} [{unit.text}]", range=(0.0, high), step=step, unit=unit, fit=grown,
-        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}{hint}",
+        hint=f"{what(parameter)}{hint}",
         read=lambda state: state.document.design.value(path),
         apply=partial(set_value, path=path, name=label, unit=unit),
     )  # fmt: skip

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.kit.task import NOT_OF_PREVIEW
 from paminsa_viz.explorer.kit.text import note, status
 from paminsa_viz.explorer.state.clearance import ClearanceSettings
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.units import capitalized
 
 
 def clearance_html(frame: Frame) -> str:
@@ -38,9 +39,8 @@ def _switch(group: PairGroup) -> Checkbox:
     def apply(state: State, checked: bool) -> State:
         return set_pairs(state, group, checked)
 
-    label = group.value[0].upper() + group.value[1:]
     return Checkbox(
-        f"clearance.{group.name.lower()}", label, read=read, apply=apply,
+        f"clearance.{group.name.lower()}", capitalized(group.value), read=read, apply=apply,
         hint=f"Check the pairs of bodies of this group: {group.value}",
     )  # fmt: skip
 

@@ -237,7 +237,7 @@ DRIVES = (
     Button(
         "drives.find", "Find drives", icon=Icon.ENGINE, effect=SEARCH.start, undo=False,
         disabled=SEARCH.runs,
-        hint="Measures every pair of the catalog on the current motion",
+        hint="Measures every pair of the catalog on the motion, or on the cycle",
     ),
     SEARCH.worker,
     Answer(

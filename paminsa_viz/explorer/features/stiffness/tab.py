@@ -22,7 +22,7 @@ from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.place import Place
 from paminsa_viz.explorer.features.stiffness.solving import analyze_elasticity
-from paminsa_viz.explorer.kit.design_numbers import is_changed, slider
+from paminsa_viz.explorer.kit.design_numbers import is_changed, slider, what
 from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.kit.inputs import Number, Slider
 from paminsa_viz.explorer.kit.robot_texts import gray_if
@@ -136,7 +136,7 @@ def _joint(name: str) -> Number:
     """Return the input of the stiffness of a joint."""
     path = f"elastic.{name}"
     parameter = PARAMETER[path]
-    text = f"{parameter.label[:1].upper()}{parameter.label[1:]}; 0: rigid"
+    text = f"{what(parameter)}; 0: rigid"
     return _open_number(
         f"stiffness.{name}", f"{JOINTS[name]} [{parameter.display.text}]", text, lambda _: path,
         1000.0, parameter.display,

@@ -23,6 +23,7 @@ from paminsa_viz.explorer.features.synthesis.charts import (
     shown_front,
 )
 from paminsa_viz.explorer.kit.chart import chart, chart_clicks
+from paminsa_viz.explorer.kit.design_numbers import what
 from paminsa_viz.explorer.kit.entries import Answer, Button, Folder, Html, Then
 from paminsa_viz.explorer.kit.inputs import Pair, Slider
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
@@ -66,7 +67,7 @@ _setting = SettingInputs("synthesize", "synthesis.settings", SynthesisSettings)
 
 RANGES = (
     *(
-        _range(path, symbol_text(PARAMETER[path].symbol), PARAMETER[path].label)
+        _range(path, symbol_text(PARAMETER[path].symbol), what(PARAMETER[path]))
         for path in DEFAULT_PATHS
     ),
     _range(WIDTH, "Width", "Diameter of the workspace, or its extent along x and y", size=True),
