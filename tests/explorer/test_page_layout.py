@@ -438,11 +438,15 @@ CONTRAST = """() => {
 def test_a_pose_on_several_lines_of_a_table_begins_where_its_column_does(browser: Browser) -> None:
     page = browser.new_context().new_page()
     page.set_content(
-        f"<!doctype html><body>{style_html()}<table class='pv-table'><tr><td class='pv-word'>"
-        "<button class='pv-link'>x 108.3 mm, y 62.5 mm</button></td></tr></table>"
+        f"<!doctype html><body>{style_html()}<table class='pv-table' style='width: 160px'><tr>"
+        "<td><b>θ [″]</b></td>"
+        "<td class='pv-word'><button class='pv-link'>x 108.3 mm, y 62.5 mm</button></td></table>"
     )
-    align = "button => getComputedStyle(button).textAlign"
-    assert page.locator("button").evaluate(align) == "left"
+    button, name = page.locator("button"), page.locator("b")
+    assert button.evaluate("button => getComputedStyle(button).textAlign") == "left"
+    top, high = button.bounding_box()["y"], name.bounding_box()["height"]
+    assert button.bounding_box()["height"] > 1.5 * high  # several lines
+    assert abs(name.bounding_box()["y"] - top) < 0.3 * high
     page.close()
 
 

@@ -24,7 +24,7 @@ from paminsa_viz.units import number
 def logs_html(frame: Frame) -> str:
     """Return which logs are open."""
     own = frame.state.identification
-    logs = [("log", own.log), ("second log", own.other), ("with payload", own.loaded)]
+    logs = [("Log", own.log), ("second log", own.other), ("with payload", own.loaded)]
     return render(
         "identification/logs.j2", logs=[(name, log) for name, log in logs if log is not None]
     )

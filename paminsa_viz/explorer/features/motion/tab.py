@@ -150,7 +150,7 @@ def simulation_html(frame: Frame) -> str:
         level, title, lines = "bad", "Not simulated", [outcome.problem]
         simulation = outcome.result
         if simulation is not None:
-            lines = [line.text for line in simulation_notes(simulation)]
+            lines = [as_sentence(line.text) for line in simulation_notes(simulation)]
             level, title = "ok", f"Ran to the end, {simulation.t[-1]:.3f} s"
             if simulation.stopped is not None:
                 level, title = "bad", "Stopped"

@@ -23,7 +23,7 @@ from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
 from paminsa_viz.model.resizing import length_ratio
-from paminsa_viz.units import display_unit, fixed
+from paminsa_viz.units import capitalized, display_unit, fixed
 
 LEVELS = {
     Health.OK: "ok",
@@ -53,7 +53,10 @@ def status_html(frame: Frame) -> str:
     level, _, (reason, *others) = _status(frame)
     if level == "ok":
         return ""
-    return render("status.j2", testid="status-lines", level=level, title=reason, lines=others)
+    return render(
+        "status.j2", testid="status-lines", level=level, title=capitalized(reason),
+        lines=map(capitalized, others),
+    )  # fmt: skip
 
 
 def status_line_html(frame: Frame) -> str:

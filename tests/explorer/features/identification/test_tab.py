@@ -77,7 +77,7 @@ def test_numbers_causes_checks_and_masses_are_told(found: State) -> None:
         assert_parts(made(frame), blocks)
     assert '<tr class="pv-muted"' in identify_text.masses_html(frame)
     assert "example_log_payload" in identify_text.logs_html(frame)
-    assert "not kept over a reload" in identify_text.logs_html(frame)
+    assert "Hz.\n<br>Logs are not kept over a reload" in identify_text.logs_html(frame)
 
 
 @pytest.mark.slow

@@ -46,7 +46,9 @@ def along() -> State:
 def test_columns_stand_closer_where_numbers_of_a_small_robot_are_long() -> None:
     for factor, tight in ((1.0, False), (0.1, True)):
         state = opening_state(prototype_times(factor))
-        assert ("pv-tight" in tab.joints(compute(state))) is tight
+        text = tab.joints(compute(state))
+        assert ("pv-tight" in text) is tight
+        assert "pv-scrolled" in text  # by itself, not with all of the dock
 
 
 def test_tables_are_those_of_the_pose_and_the_leg() -> None:

@@ -118,7 +118,8 @@ def test_crossing_that_is_not_followed_stops_the_simulation_and_is_played_so_far
     assert np.abs(found.energy_drift).max() < 1e-6
     assert state.playback.playing
     text = simulation_html(compute(state))
-    assert "Stopped" in text
+    assert "Stopped</b><br>Simulated with " in text
+    assert "<br>It stopped " in text
     assert "no authority along the escape twist" in text
     assert "spacing" not in text
 

@@ -26,6 +26,7 @@ from paminsa_viz.explorer.features.pose.tab import (
     pose_limits,
     pose_line_html,
     quality_html,
+    status_html,
     status_line_html,
     summary_html,
     torques_html,
@@ -244,3 +245,8 @@ def test_in_a_closed_tab_only_jobs_follow_a_drag(server: viser.ViserServer) -> N
     session.open_tabs = frozenset({"Pose", "Torque maps"})
     assert shown(4.0, dragging=True) == 4.0
     assert len(asked) == 4
+
+
+def test_why_a_pose_cannot_be_taken_is_a_sentence() -> None:
+    text = status_html(compute(actions.move(initial_state(), x=0.5)))
+    assert ">The pantograph is over-stretched" in text
