@@ -132,6 +132,14 @@ def test_the_strip_keeps_clear_of_the_scrollbar(tab: Tab) -> None:
     assert until(lambda: tab.page.evaluate(ROOM), "the section scrolls") >= 1
 
 
+def test_a_notice_holds_a_long_list_without_blanks(tab: Tab) -> None:
+    columns = ",".join(f"theta{number}_rad" for number in range(9))
+    tab.session.notify("Not possible", f"write {columns}", bad=True)
+    notice = tab.page.locator(".mantine-Notification-description", has_text=columns)
+    notice.wait_for()
+    assert notice.evaluate("one => one.scrollWidth <= one.clientWidth + 1")
+
+
 def test_a_shut_folder_has_as_much_room_below_it_as_above(tab: Tab) -> None:
     tab.open_tab("Synthesis")
     above, below = until(lambda: tab.page.evaluate(AROUND), "the folder")

@@ -51,7 +51,7 @@
   const BUTTON = ".mantine-Flex-root > .mantine-Button-root .mantine-Button-label"; // of a row
   const OPTION = ".mantine-Select-option > span:not(.pv-symbol)";
   watch(`${BUTTON}, ${OPTION}`, (label) => typeset(label, label.textContent.trim()));
-  watch('[role="tooltip"]', (tooltip) => {
+  watch('[role="tooltip"]', (tooltip) => { // not notices, which may hold names of columns, x_mm
     const text = [...tooltip.childNodes].find((node) => node.nodeType === Node.TEXT_NODE);
     if (text) typeset(tooltip, text.data, tooltip);
   });

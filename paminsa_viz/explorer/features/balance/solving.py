@@ -205,10 +205,10 @@ def motion(job: BalanceJob) -> SolvedTrajectory:
 
     Raises:
         ImpossibleTrajectory: If the robot cannot run it.
-        InvalidInput: If there is none.
+        PaminsaError: If there is none.
     """
     if job.trajectory is None:
-        raise InvalidInput("motion", job.problem or "there is none yet")
+        raise PaminsaError(job.problem or "there is no motion yet")
     design = job.design
     solved = _solved(design.geometry, job.trajectory, design.gravity)
     solved.check.require()

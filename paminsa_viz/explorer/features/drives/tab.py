@@ -54,7 +54,7 @@ def _current(state: State) -> Duty:
     """Return the current motion as it would be added to the cycle."""
     found, settings = motions.planned(state), state.drives.settings
     if found.trajectory is None:
-        raise InvalidInput("motion", found.problem or "there is none yet; see the section “Path”")
+        raise motions.no_motion(state)
     return Duty(found.trajectory, settings.count, settings.dwell)
 
 

@@ -216,7 +216,7 @@ def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
 
 def test_missing_motion_and_missing_freedom_are_reported() -> None:
     table = motions.choose_kind(START, motions.Kind.TABLE)
-    assert "CSV" in status(solved(balancing.choose_goal(table, Goal.PEAK)))
+    assert "<br>Choose a CSV file" in status(solved(balancing.choose_goal(table, Goal.PEAK)))
     balanced = balancing.balance_now(table)  # needs no motion
     assert "Statically balanced" in status(balanced)
     assert "–" in details_html(balanced.balance.outcome)

@@ -221,3 +221,9 @@ def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None
     full = state.updated("drives.settings", cycle=state.drives.settings.cycle * 6)
     with pytest.raises(InvalidInput, match="at most 12"):
         panel.add_motion(full)
+
+
+def test_a_search_without_a_motion_says_once_what_is_missing() -> None:
+    state = motions.choose_kind(initial_state(), Kind.WAYPOINTS)
+    with pytest.raises(InvalidInput, match=r"^waypoints: two or more are needed"):
+        panel.SEARCH.start(state)
