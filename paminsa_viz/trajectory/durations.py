@@ -189,6 +189,17 @@ def _gear_peaks(design: Design | None) -> list[float]:
     return [np.inf if drive is None else drive.gear_limits.peak for drive in drives]
 
 
+def standstill_peaks(design: Design) -> Array:
+    """Return what drives and their gears give at no speed, at the actuators, (4,) [N m, N]."""
+    gears = _gear_peaks(design)
+    return np.array(
+        [
+            gear if one is None else min(gear, one.corners[0][1] * one.ratio * one.total_efficiency)
+            for one, gear in zip(design.drives, gears, strict=True)
+        ]
+    )
+
+
 def _drive_durations(design: Design, misprints: Misprint) -> Callable[[Derivatives, Array], Array]:
     """Return the durations that the drives require, as a function (n,) -> (n, 12) [s].
 

@@ -22,6 +22,7 @@ from paminsa_viz.trajectory.durations import (
     coulomb_friction,
     limit_of,
     needed_durations,
+    standstill_peaks,
     torque_parts,
 )
 from paminsa_viz.trajectory.limits import LIMITED, MOTOR_SPEEDS, UNITS, MotionLimits
@@ -187,7 +188,7 @@ def shortest_stretch(
         bounds = limits.actuators
         by_drive = needed.column >= FIRST_OF_DRIVES
         if by_drive:
-            bounds = np.array([one.peak for one in design.output_limits])
+            bounds = standstill_peaks(design)
         worst = int(np.argmax(np.abs(held) / bounds))
         pose = tuple(map(float, curve(at)[0]))
         most = float(bounds[worst])

@@ -400,6 +400,11 @@ def test_a_drive_too_weak_for_gravity_is_named() -> None:
         shortest_stretch(point_to_point(A, B), MotionLimits(force=9e3), driven(feeble))
     assert caught.value.actuator in (0, 1, 2)
     assert caught.value.limit == pytest.approx(feeble.output_limits.peak)
+    rising = replace(SERVO, peak_torque=None, envelope=((0.0, 2e-3), (100.0, 0.5), (400.0, 0.5)))
+    with pytest.raises(InfeasibleMotion) as caught:
+        shortest_stretch(point_to_point(A, B), MotionLimits(), driven(rising))
+    assert caught.value.limit == pytest.approx(feeble.output_limits.peak)
+    assert abs(caught.value.needed) > caught.value.limit
 
 
 def test_limits_by_their_places_are_in_the_units_that_are_told() -> None:
