@@ -33,11 +33,12 @@ def decimals(step: float, value: float = 0.0) -> int:
 
     Args:
         step: The step.
-        value: The number, if one far below the step is meant as it is, and is no rounding of 0.
+        value: The number, if one far below the step is meant as it is, and is no rounding of 0;
+            may be infinite.
     """
     exact = Decimal(repr(float(step))).normalize().as_tuple().exponent
     places = max(SPARE_DECIMALS - int(exact), LEAST_DECIMALS)
-    first = -math.floor(math.log10(abs(value))) if value else 0
+    first = -math.floor(math.log10(abs(value))) if value and math.isfinite(value) else 0
     return places if first + FEWEST_DIGITS - 1 <= places else first + DIGITS - 1
 
 

@@ -124,6 +124,9 @@ def test_encoder_is_given_by_its_bits_and_the_gear_behind_it() -> None:
     kept = tab_store.restore(initial_state(), tab_store.dump(state))
     assert gear.read(kept) == 50
     assert bits.read(kept) == pytest.approx(10.0)
+    exact = actions.vary(state, {"accuracy.resolution_rotary": 0.0})  # as many bits as you like
+    assert bits.read(exact) == np.inf
+    assert bits.places(exact) == bits.places(state)
 
 
 def test_largest_errors_over_the_workspace_are_those_of_poses_in_it() -> None:
