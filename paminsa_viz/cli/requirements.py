@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -20,10 +22,17 @@ from paminsa_viz.blocks.requirements import (
 )
 from paminsa_viz.cli.arguments import OrNone, UsageError, Words
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_output, check_range
-from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_written
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_heading,
+    print_json,
+    print_written,
+    status_line,
+)
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirement_text import EXAMPLE, parse_requirement, requirement_text
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.certificate import prove
@@ -148,7 +157,8 @@ class Prove(JsonFlags, RequirementFlags):
             raise UsageError("a workspace is needed: --cylinder or --box, or that of a design file")
         if None in requirements.workspace.center:
             raise UsageError("--center: a proof needs three numbers; 'largest' finds a center")
-        proof = prove(design, requirements, time_limit=self.time)
+        with _time_line(self.time) as show:
+            proof = prove(design, requirements, time_limit=self.time, progress=show)
         if self.json:
             print_json({**robot(design), **proof_data(proof)})
         else:
@@ -184,14 +194,16 @@ class Largest(JsonFlags, RequirementFlags):
             raise UsageError(f"--tolerance: a number above 0 is needed, not {self.tolerance}")
         if requirements.workspace is None:
             raise UsageError("a shape is needed: --cylinder or --box, or that of a design file")
-        found = largest_workspace(
-            design,
-            requirements,
-            growth=Growth[self.grow.upper()],
-            tolerance=None if self.tolerance is None else self.tolerance / MM,
-            time_limit=self.time,
-            both_sides=self.both_sides,
-        )
+        with _time_line(self.time) as show:
+            found = largest_workspace(
+                design,
+                requirements,
+                growth=Growth[self.grow.upper()],
+                tolerance=None if self.tolerance is None else self.tolerance / MM,
+                time_limit=self.time,
+                both_sides=self.both_sides,
+                progress=show,
+            )
         if self.json:
             print_json(largest_data(design, found))
         else:
@@ -201,6 +213,17 @@ class Largest(JsonFlags, RequirementFlags):
             if found.cause == "volume":
                 print_blocks([Note("'paminsa-viz requirements check' names those that contradict")])
         return 1 if found.workspace is None else 0
+
+
+@contextmanager
+def _time_line(seconds: float) -> Iterator[Progress]:
+    """Show how much of the time [s] is spent while a proof is searched for."""
+    with status_line("proving") as update:
+
+        def show(done: float, /, **_: Any) -> None:
+            update(f"proving: {done:.0%} of at most {seconds:g} s")
+
+        yield show
 
 
 def _check_time(time: float) -> None:
