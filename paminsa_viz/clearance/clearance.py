@@ -17,6 +17,7 @@ from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_pose, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.progress import Progress, go_on, keep_on
 from paminsa_viz.units import format_ascii
 
 BLOCK = 4096
@@ -76,20 +77,29 @@ def clearance_reason(distance: float, names: tuple[str, str], required: float = 
 
 
 @of_design
-def clearance(design: Design, pose: ArrayLike, pairs: Iterable[PairGroup] = ALL_PAIRS) -> Clearance:
+def clearance(
+    design: Design,
+    pose: ArrayLike,
+    pairs: Iterable[PairGroup] = ALL_PAIRS,
+    *,
+    progress: Progress = go_on,
+) -> Clearance:
     """Return the least clearance between the bodies of a design.
 
     Args:
         design: The robot; its geometry, payload mass and counterweights count.
         pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
         pairs: Groups of pairs that are checked; all by default.
+        progress: Told what part of the poses is done before each block of them; may end the work.
 
     Raises:
+        Canceled: If ``progress`` ends it.
         InvalidInput: If the pose has another shape or is not real, or a group is unknown.
     """
     shapes = shapes_of(design)
     chosen = shapes.of_groups(_known(pairs))
-    distance, nearest, points = _search(design, pose, shapes, chosen, np.zeros(len(chosen), int), 1)
+    one = np.zeros(len(chosen), int)
+    distance, nearest, points = _search(design, pose, shapes, chosen, one, 1, progress)
     return Clearance(shapes, distance[..., 0], nearest[..., 0], points[..., 0, :, :])
 
 
@@ -169,6 +179,7 @@ def _search(
     chosen: NDArray[np.int64],
     slots: NDArray[np.int64],
     count: int,
+    progress: Progress = go_on,
 ) -> tuple[Array, NDArray[np.int64], Array]:
     """Return least distances, indices of pairs and nearest points of slots of chosen pairs."""
     pose = as_vectors(pose, "pose")
@@ -179,6 +190,7 @@ def _search(
     nearest = np.empty((len(flat), count), dtype=np.int64)
     search = kernels.least_distances(len(flat))
     for start in range(0, len(flat), BLOCK):
+        keep_on(progress, start / len(flat))
         part = slice(start, start + BLOCK)
         position, quaternion = _placements(design, flat[part])
         search(

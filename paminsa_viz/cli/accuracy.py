@@ -16,7 +16,7 @@ from paminsa_viz.blocks.accuracy import (
 )
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, RegionFlags
-from paminsa_viz.cli.output import print_blocks, print_heading, print_json
+from paminsa_viz.cli.output import print_blocks, print_heading, print_json, progress_line
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.precision.drive_errors import drive_errors
@@ -84,7 +84,8 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         over = RegionResults(design, region)
         drawn = None
         if self.robots:
-            drawn = monte_carlo(design, pose, robots=self.robots, seed=self.seed)
+            with progress_line("drawing robots") as show:
+                drawn = monte_carlo(design, pose, robots=self.robots, seed=self.seed, progress=show)
         if self.json:
             errors = region_errors(over.field, design.accuracy, over.reached)
             data = accuracy_data(design, here, region, errors)

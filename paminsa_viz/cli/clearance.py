@@ -17,7 +17,13 @@ from paminsa_viz.blocks.clearance import (
 from paminsa_viz.clearance import clearance
 from paminsa_viz.cli.arguments import OrNone, UsageError, check_needs
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags, check_range
-from paminsa_viz.cli.output import print_blocks, print_heading, print_json, print_left_out
+from paminsa_viz.cli.output import (
+    print_blocks,
+    print_heading,
+    print_json,
+    print_left_out,
+    progress_line,
+)
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import require_reachable
@@ -72,7 +78,10 @@ class ClearanceFlags(JsonFlags, PoseFlags, DesignFlags):
         required = self.least / MM
         groups = by_group(design, np.array(pose))
         here = clearance(design, pose)
-        over = clearance(design, self._drawn(design)) if self.poses else None
+        over = None
+        if self.poses:
+            with progress_line("computing the clearances") as show:
+                over = clearance(design, self._drawn(design), progress=show)
         if self.json:
             print_json(clearance_data(design, pose, groups, here, over, required))
         else:

@@ -19,6 +19,7 @@ from paminsa_viz.cli.output import (
     print_json,
     print_left_out,
     print_written,
+    status_line,
 )
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
@@ -138,7 +139,9 @@ class Map(FilesFlags, ComparedDesignFlags):
         design = self.given_design()
         reference = self.given_reference(design)
         published = None if self.published is None else read_published_map(self.published)
-        data = maps_of(self, design, reference, self.cells)
+        with status_line("computing the maps"):
+            data = maps_of(self, design, reference, self.cells)
+            sample = maps_of(self, design, reference, COARSE) if self.draws else data
         for path in self.out:
             ending = path.suffix.lower()
             if ending in table_endings():
@@ -148,9 +151,8 @@ class Map(FilesFlags, ComparedDesignFlags):
                     render_maps,  # late: matplotlib takes a second
                 )
 
-                scales = scales_of(self, data, maps_of(self, design, reference, COARSE))
                 content = render_maps(
-                    data, scales, ending[1:],
+                    data, scales_of(self, data, sample), ending[1:],
                     width_mm=self.width, dpi=self.dpi, published=published,
                 )  # fmt: skip
             write_bytes(path, content)

@@ -22,6 +22,7 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
+from paminsa_viz.progress import Progress
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import NONE
 from paminsa_viz.version import COMMAND, MADE_BY
@@ -105,6 +106,22 @@ def status_line(text: str) -> Iterator[Callable[[str], None]]:
     status = console.status(text)
     with on_interrupt(status.stop), status:  # or a terminal is left without its cursor
         yield status.update
+
+
+@contextmanager
+def progress_line(text: str, limit: str = "") -> Iterator[Progress]:
+    """Show what part of work is done, to people, see `status_line`.
+
+    Args:
+        text: What is done.
+        limit: What the part is one of, if that is known.
+    """
+    with status_line(text) as update:
+
+        def show(done: float, /, **_: Any) -> None:
+            update(f"{text}: {done:.0%}{limit}")
+
+        yield show
 
 
 def announce_compilation() -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -27,12 +25,11 @@ from paminsa_viz.cli.output import (
     print_heading,
     print_json,
     print_written,
-    status_line,
+    progress_line,
 )
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import load_content
 from paminsa_viz.model.design import Design
-from paminsa_viz.progress import Progress
 from paminsa_viz.quantities.requirement_text import EXAMPLE, parse_requirement, requirement_text
 from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.proof.certificate import prove
@@ -157,7 +154,7 @@ class Prove(JsonFlags, RequirementFlags):
             raise UsageError("a workspace is needed: --cylinder or --box, or that of a design file")
         if None in requirements.workspace.center:
             raise UsageError("--center: a proof needs three numbers; 'largest' finds a center")
-        with _time_line(self.time) as show:
+        with progress_line("proving", _of_time(self.time)) as show:
             proof = prove(design, requirements, time_limit=self.time, progress=show)
         if self.json:
             print_json({**robot(design), **proof_data(proof)})
@@ -194,7 +191,7 @@ class Largest(JsonFlags, RequirementFlags):
             raise UsageError(f"--tolerance: a number above 0 is needed, not {self.tolerance}")
         if requirements.workspace is None:
             raise UsageError("a shape is needed: --cylinder or --box, or that of a design file")
-        with _time_line(self.time) as show:
+        with progress_line("proving", _of_time(self.time)) as show:
             found = largest_workspace(
                 design,
                 requirements,
@@ -215,15 +212,8 @@ class Largest(JsonFlags, RequirementFlags):
         return 1 if found.workspace is None else 0
 
 
-@contextmanager
-def _time_line(seconds: float) -> Iterator[Progress]:
-    """Show how much of the time [s] is spent while a proof is searched for."""
-    with status_line("proving") as update:
-
-        def show(done: float, /, **_: Any) -> None:
-            update(f"proving: {done:.0%} of at most {seconds:g} s")
-
-        yield show
+def _of_time(time: float) -> str:
+    return f" of at most {time:g} s"
 
 
 def _check_time(time: float) -> None:

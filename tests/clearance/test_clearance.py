@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from dataclasses import replace
 from itertools import combinations, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,6 +30,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.progress import Canceled
 from tests.support.samples import random_poses, with_knee
 
 HOME = np.array(home_pose(APPENDIX_4.geometry))
@@ -172,6 +175,19 @@ def test_pairs_are_those_of_the_bodies_that_are_there() -> None:
             if why is Exclusion.RIGID and shapes.bodies[j].key == "counterweight1"
         }
         assert carriers == ({weights[0].bar} if weights and weights[0].mass else set())
+
+
+def test_blocks_of_poses_are_told_and_can_end_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[Clearance.__module__], "BLOCK", 2)
+    told: list[float] = []
+
+    def progress(done: float, /, **_: Any) -> bool:
+        told.append(done)
+        return done > 0.5
+
+    with pytest.raises(Canceled):
+        clearance(APPENDIX_4, np.tile(HOME, (5, 1)), progress=progress)
+    assert told == [0.0, 0.4, 0.8]
 
 
 def test_the_search_is_compiled_once_that_pays(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 
+from paminsa_viz.cli import map as command
 from paminsa_viz.cli.map import Map, maps_of, scales_of
 from paminsa_viz.explorer.core.maps import MapStore
 from paminsa_viz.explorer.features.export.exports import figure, table
@@ -19,12 +21,16 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
+    Field,
+    Geometry,
     KneeBranch,
     backend,
     measure_singularity,
     static_torques,
 )
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.plots import map_figure
+from paminsa_viz.plots.map_values import COARSE, workspace_field
 from tests.support import commands
 from tests.support.samples import with_knee
 
@@ -45,6 +51,26 @@ def state_of(pose: tuple[float, ...], view: MapView, reference: Design | None = 
     state = initial_state(APPENDIX_4)
     document = replace(state.document, pose=pose, reference=reference)
     return replace(state, document=document, map_view=view)
+
+
+def test_maps_of_several_figures_are_computed_once(
+    capsys, folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    sizes: list[int] = []
+
+    def solved(geometry: Geometry, theta: float, z: float, cells: int, half: float) -> Field:
+        sizes.append(cells)
+        return workspace_field(geometry, theta, z, cells, half)
+
+    monkeypatch.setattr(command, "status_line", lambda text: nullcontext(said.append(text)))
+    monkeypatch.setattr(command, "workspace_field", solved)
+    monkeypatch.setattr(map_figure, "render_maps", lambda *_, **__: b"")
+    run(capsys, "--cells", "10", "--out", "a.png", "--out", "a.svg")
+    assert sizes == [10, COARSE]
+    assert said == ["computing the maps"]
+    run(capsys, "--cells", "10", "--out", "a.csv")
+    assert sizes[2:] == [10]  # colors are for figures
 
 
 @pytest.mark.slow

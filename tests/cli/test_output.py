@@ -7,6 +7,7 @@ import json
 import logging
 import os
 import sys
+from contextlib import nullcontext
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -17,7 +18,7 @@ import pytest
 
 from paminsa_viz.blocks import Note, Row, Table
 from paminsa_viz.blocks.data import UNITS, record
-from paminsa_viz.cli import main
+from paminsa_viz.cli import main, output
 from paminsa_viz.cli.output import (
     announce_compilation,
     ascii_numbers,
@@ -223,6 +224,22 @@ def test_a_design_that_is_changed_keeps_its_requirements(words: str) -> None:
     assert main([*words.split(), out, "--design", "robot.toml"]) == 0
     written = load_content("found/identified.toml" if folder else out)
     assert written.requirements == needed
+
+
+@pytest.mark.slow
+def test_long_work_says_how_far_it_is(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(output, "status_line", lambda _: nullcontext(told.append))
+    proof = "--require f_4<=450 --cylinder 300 400 --center 0 0 -600 --time 1e-6"
+    for words, line in (
+        (f"requirements prove {proof}", "proving: 100% of at most 1e-06 s"),
+        (f"requirements largest {proof}", "proving: 100% of at most 1e-06 s"),
+        ("clearance --poses 2", "computing the clearances: 0%"),
+        ("accuracy --manufacture --robots 2 --cells 5", "drawing robots: 100%"),
+    ):
+        told.clear()
+        main(words.split())
+        assert set(told) == {line}, words
 
 
 def test_compiling_is_announced_once(capsys, monkeypatch: pytest.MonkeyPatch) -> None:

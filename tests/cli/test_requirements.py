@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from paminsa_viz.cli import requirements
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirement_text import parse_requirement
@@ -195,18 +193,6 @@ def test_undecided_answers_name_the_flag_that_may_decide_them(capsys) -> None:
         assert code == 1
         assert "undecided" in out
         assert f"a longer {flags} may decide it\n" in out
-
-
-def test_a_proof_says_how_much_of_its_time_is_spent(
-    capsys, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for command in ("prove", "largest"):
-        told: list[str] = []
-        monkeypatch.setattr(
-            requirements, "status_line", lambda _, told=told: nullcontext(told.append)
-        )
-        run("requirements", capsys, command, *PROVABLE, *CENTERED, "--time", "1e-6")
-        assert set(told) == {"proving: 100% of at most 1e-06 s"}
 
 
 def test_what_is_only_sampled_is_not_called_proven(capsys) -> None:
