@@ -148,6 +148,11 @@ def counted(count: int, noun: str, plural: str = "") -> str:
     return f"{count:,} {noun if count == 1 else plural or f'{noun}s'}"
 
 
+def percent(share: float, decimals: int = 0) -> str:
+    """Return a share in percent with a fixed count of decimals: ``12.5 %``; a dash for NaN."""
+    return NONE if math.isnan(share) else f"{fixed(100 * share, decimals)} %"
+
+
 def percent_change(before: float, after: float) -> str:
     """Return a change as a percentage of the value before."""
     if not (math.isfinite(before) and math.isfinite(after)):

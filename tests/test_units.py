@@ -19,6 +19,7 @@ from paminsa_viz.units import (
     format_value,
     interval_text,
     number,
+    percent,
     percent_change,
     power_of_ten,
     rounded_to_side,
@@ -184,6 +185,17 @@ def test_changes_are_percentages_of_the_value_before(
     before: float, after: float, text: str
 ) -> None:
     assert percent_change(before, after) == text
+
+
+def test_shares_in_percent_have_their_decimals_and_none_of_nothing() -> None:
+    shown = [
+        percent(0.1249, 1),
+        percent(0.1249),
+        percent(-0.0004),
+        percent(np.inf),
+        percent(np.nan),
+    ]
+    assert shown == ["12.5 %", "12 %", "0 %", "∞ %", "–"]
 
 
 @pytest.mark.parametrize(

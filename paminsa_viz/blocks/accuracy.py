@@ -31,7 +31,7 @@ from paminsa_viz.precision.manufacture import (
 )
 from paminsa_viz.precision.unequal_legs import ERRORS, ORDER
 from paminsa_viz.studies.region import Region, RegionResults
-from paminsa_viz.units import counted, format_value
+from paminsa_viz.units import counted, format_value, percent
 
 LEAST_SHARE = 0.005
 """Smallest share in a variance that is shown."""
@@ -174,7 +174,7 @@ def shares_table(found: ToleranceErrors, index: int) -> Table:
     share = found.shares[index]
     rows = tuple(
         Row(
-            (LENGTHS[i].symbol, Cell(f"{100 * share[i]:.1f} %", share=float(share[i]))),
+            (LENGTHS[i].symbol, Cell(percent(share[i], 1), share=float(share[i]))),
             hint=LENGTHS[i].label,
         )
         for i in np.argsort(-share, kind="stable")

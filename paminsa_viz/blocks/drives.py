@@ -16,7 +16,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import NONE, counted, fixed, format_value, number
+from paminsa_viz.units import NONE, counted, fixed, format_value, number, percent
 
 RPM = 30 / math.pi
 """Revolutions per minute in a radian per second."""
@@ -145,7 +145,7 @@ def facts_table(one: DriveFigures) -> Table:
     def row(label: str, value: float, limit: float | None, unit: str) -> tuple[str, str, str]:
         if limit is None or not math.isfinite(limit):
             return label, f"{number(value, 3)} {unit}", ""
-        share = f"{100 * value / limit:.0f} % of {number(limit, 4)}"
+        share = f"{percent(value / limit)} of {number(limit, 4)}"
         return label, f"{number(value, 4 if unit == 'rpm' else 3)} {unit}", share
 
     count = NONE
@@ -157,7 +157,7 @@ def facts_table(one: DriveFigures) -> Table:
     cells = [
         row("RMS torque", one.rms, drive.rated_torque, "N·m"),
         row("peak torque", one.peak, drive.corners[0][1], "N·m"),
-        ("envelope", f"{100 * one.envelope:.0f} %", "largest share of it used"),
+        ("envelope", percent(one.envelope), "largest share of it used"),
         row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
         ("peak power", f"{number(one.top_power, 3)} W", ""),
         ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
@@ -187,14 +187,14 @@ def margin_text(one: DriveFigures, good: CellKind) -> str:
     """
     if not one.limit:
         return NONE
-    percent = round(100 * (1 - one.use), 6)  # 1 - 0.9 is a little less than 0.1
-    whole = math.floor(percent) if math.isfinite(percent) else percent
+    room = round(100 * (1 - one.use), 6)  # 1 - 0.9 is a little less than 0.1
+    whole = math.floor(room) if math.isfinite(room) else room
     return Cell(f"{fixed(whole, 0)} %", kind=good if one.feasible else "bad")
 
 
 def winding_text(one: DriveFigures) -> str:
     """Return the winding's temperature rise over that at the rated torque, as a percentage."""
-    return f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else NONE
+    return percent(one.thermal) if math.isfinite(one.thermal) else NONE
 
 
 def _units(load: ActuatorLoad) -> tuple[str, str, str]:

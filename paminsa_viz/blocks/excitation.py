@@ -9,7 +9,7 @@ from paminsa_viz.blocks.data import record, robot
 from paminsa_viz.blocks.kinds import Block, Cell, Note, Row, Table
 from paminsa_viz.identification.excitation import Excitation, KeptLimit
 from paminsa_viz.model.design import Design
-from paminsa_viz.units import NONE, counted, fixed, format_value, number
+from paminsa_viz.units import NONE, counted, fixed, format_value, number, percent
 
 
 def excitation_blocks(found: Excitation) -> list[Block]:
@@ -47,7 +47,7 @@ def _cells(row: KeptLimit) -> tuple[str, ...]:
     sign = "≥" if row.least else "≤"
     limit = f"{sign} {format_value(row.limit, row.unit, 3)}"
     over, under = (row.limit, row.value) if row.least else (row.value, row.limit)
-    share = NONE if not under or not math.isfinite(under) else f"{100 * over / under:.0f} %"
+    share = NONE if not under or not math.isfinite(under) else percent(over / under)
     value = format_value(row.value, row.unit, 3)
     used = Cell(share, kind="plain" if row.kept else "bad")
     return row.name, value, limit, f"{number(row.t, 3)} s", used

@@ -15,7 +15,7 @@ from paminsa_viz.identification.results import WRONG_UNIT, Estimate, Identity
 from paminsa_viz.identification.validation import PayloadEstimate
 from paminsa_viz.model.drive import ACTUATORS, TORQUE_UNITS
 from paminsa_viz.model.statics import shown_imbalance
-from paminsa_viz.units import counted, display_unit, format_value, interval_text, number
+from paminsa_viz.units import counted, display_unit, format_value, interval_text, number, percent
 
 TRIED = 5
 """Causes that are listed with those that are named."""
@@ -113,7 +113,7 @@ def causes_table(findings: Findings) -> Table:
     found = tuple(
         Row(
             (
-                item.text, cause_size(item), f"{100 * item.explains:.1f} %",
+                item.text, cause_size(item), percent(item.explains, 1),
                 "yes" if item.named else "no",
             ),
             "marked" if item.named else "muted",

@@ -37,6 +37,7 @@ from paminsa_viz.units import (
     format_value,
     interval_text,
     number,
+    percent,
     si_unit,
 )
 
@@ -168,8 +169,8 @@ def _volume(volume: Volume, text: RequirementText) -> list[Block]:
         removed = ["", ""]
         if index is not None:
             removed = list(removed_texts(volume, index))
-        surface = _percent(areas[cause] / sum(areas.values())) if cause in areas else ""
-        first = _percent(shares[cause]) if cause in shares else ""
+        surface = percent(areas[cause] / sum(areas.values()), 1) if cause in areas else ""
+        first = percent(shares[cause], 1) if cause in shares else ""
         label = cause.text if index is None else text(volume.requirements.bounds[index])
         rows.append(Row((label, surface, first, *removed)))
     caption = (
@@ -187,17 +188,13 @@ def size_text(volume: Volume) -> str:
 
 def share_text(volume: Volume) -> str:
     """Return its share of the reachable volume."""
-    return f"{_percent(volume.reachable_share)} of {number(LITERS * volume.reachable_volume)} dm³"
+    return f"{percent(volume.reachable_share, 1)} of {number(LITERS * volume.reachable_volume)} dm³"
 
 
 def removed_texts(volume: Volume, requirement: int) -> tuple[str, str]:
     """Return what a requirement takes off the volume without the others, and only it."""
     alone, only = volume.removed_alone[requirement], volume.removed_last[requirement]
-    return _percent(float(alone)), _percent(float(only))
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %" if math.isfinite(share) else NONE
+    return percent(float(alone), 1), percent(float(only), 1)
 
 
 def conflict_notes(

@@ -31,7 +31,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
-from paminsa_viz.units import MM, NONE, fixed, format_value, number
+from paminsa_viz.units import MM, NONE, fixed, format_value, number, percent
 
 MODES = 6
 """Natural frequencies of the table."""
@@ -262,7 +262,7 @@ def shares_table(cases: Mapping[str, Array]) -> Table:
 
 
 def _share(share: float) -> Cell:
-    return Cell(f"{100 * share:.1f} %", share=share)
+    return Cell(percent(share, 1), share=share)
 
 
 def deflection_table(case: str, wrench: Array, twist: Array) -> Table:

@@ -7,7 +7,7 @@ from paminsa_viz.blocks.balance import bound_name
 from paminsa_viz.blocks.kinds import Note, Row, Table, heading, rows
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.units import counted, fixed
+from paminsa_viz.units import counted, fixed, percent
 
 LEADING = 3
 """Masses that are named, by their share in the variance."""
@@ -40,7 +40,7 @@ def mass_tolerance_blocks(
         ),
     )
     leading = [
-        f"{bound_name(path)} {fixed(100 * share, 0)} %"
+        f"{bound_name(path)} {percent(share)}"
         for path, share in list(found.shares.items())[:LEADING]
     ]
     return [table, *([Note(f"Of the variance: {', '.join(leading)}.")] if leading else [])]

@@ -17,7 +17,7 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.studies.sweeps import sweep
-from paminsa_viz.units import capitalized, format_value
+from paminsa_viz.units import capitalized, format_value, percent
 
 SAMPLED = 20_000
 """Random poses behind the statistics of static torques."""
@@ -74,7 +74,7 @@ def _shares(design: Design) -> Table:
     counts = sweep(design, grid, ("reach_margin",)).counts
     shares = tuple(
         Row(
-            (capitalized(limit.explanation), f"{100 * counts[limit] / grid.size:.1f} %"),
+            (capitalized(limit.explanation), percent(counts[limit] / grid.size, 1)),
             "total" if limit is Limit.OK else "plain",
         )
         for limit in Limit

@@ -12,6 +12,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors, own_vectors
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.trajectory.sampled import LARGEST, Passage, Trajectory
+from paminsa_viz.units import percent
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -153,5 +154,5 @@ def _mismatch(what: str, t: Array, values: Array, rate: Array) -> list[str]:
         return []
     return [
         f"The {what} of {COORDINATES[column]} is not the rate at which the samples change: it is "
-        f"typically off by {100 * typical[column]:.0f} % of its largest value."
+        f"typically off by {percent(typical[column])} of its largest value."
     ]

@@ -37,6 +37,7 @@ from paminsa_viz.units import (
     format_pose,
     format_value,
     number,
+    percent,
     percent_change,
     symbols_html,
 )
@@ -123,7 +124,7 @@ def weights_html(found: WeightClearance | None) -> str:
         level, title = "bad", "A counterweight hits another body"
         lines = [
             f"{one} and {other} overlap by {format_value(-found.distance, 'm', 3)} at {place}",
-            f"in {100 * found.touching:.0f} % of {counted(found.poses, 'pose')}; give it a shorter "
+            f"in {percent(found.touching)} of {counted(found.poses, 'pose')}; give it a shorter "
             "lever, or leave it out",
         ]
     else:
