@@ -39,7 +39,7 @@ const createMaps = ({ current, move, begin }) => {
     return maps.map((map, index) => map.map((value, cell) => value - other[index][cell]));
   };
   const solve = (moving) => {
-    const { doc } = current();
+    const { robot, doc } = current();
     const n = !moving ? CELLS : perCell * WHILE_MOVED ** 2 > SLOW ? WHERE_SLOW : WHILE_MOVED;
     const wanted = JSON.stringify([doc.design, doc.load_frame, doc.knee, doc.pose[2], doc.pose[3], n,
       differs() && doc.reference]);
@@ -47,7 +47,7 @@ const createMaps = ({ current, move, begin }) => {
     const start = performance.now();
     const maps = chosenMaps(n);
     perCell = (performance.now() - start) / n ** 2;
-    const limit = colorLimit(maps);
+    const limit = colorLimit(maps, 10 ** -robot.spare.torque);
     solved = { limit, pictures: maps.map((each) => pictureOf(each, n, limit)) };
     key = wanted;
   };

@@ -20,12 +20,16 @@ const contextOf = (canvas) => {
 const COLD = [33, 102, 172];
 const HOT = [178, 24, 43];
 
-/** Return the torque at the ends of the colors: three times that of the middle cell [N m]. */
-const colorLimit = (maps) => {
+/**
+ * Return the torque at the ends of the colors: three times that of the middle cell [N m]. What
+ * rounding leaves of a balanced robot has no colors; `one` is a torque of the robot's size [N m].
+ */
+const colorLimit = (maps, one) => {
   const all = new Float64Array(maps.reduce((sum, map) => sum + map.length, 0));
   maps.reduce((at, map) => (all.set(map, at), at + map.length), 0);
   const sizes = all.map(Math.abs).filter(Number.isFinite).sort();
-  return sizes.length ? 3 * sizes[sizes.length >> 1] || 1 : 1;
+  const limit = sizes.length ? 3 * sizes[sizes.length >> 1] : 0;
+  return limit > 1e-9 * one ? limit : one;
 };
 
 /** Return a map as a picture, clear where the robot cannot be; `limit` ends the colors [N m]. */

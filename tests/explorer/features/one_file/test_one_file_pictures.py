@@ -133,6 +133,9 @@ def test_a_robot_of_millimeters_is_stepped_and_seen_as_closely_as_a_large_one(
         nearer = until(lambda: (p := page.evaluate(place)) != [u, v] and p, "the view has changed")
         assert np.hypot(nearer[0] - 0.5, nearer[1] - 0.5) > np.hypot(u - 0.5, v - 0.5)
         assert "at x 0.800 mm, y 0.500 mm" in (canvas.get_attribute("aria-label") or "")
+        page.get_by_role("button", name="Balance by m₇").click()  # but for rounding
+        caption = page.locator("#maps figcaption").first
+        until(lambda: caption.inner_text() == "τ₁: ±0.000000010 N·m", "it is one of the last digit")
         assert opened.errors == []
     finally:
         opened.context.close()
