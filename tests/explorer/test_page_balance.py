@@ -55,7 +55,7 @@ def test_infeasible_bounds_are_shown_and_relaxed_ones_solved(balance: Tab) -> No
     status = balance.page.get_by_test_id("balance-status")
     status.get_by_text("The bounds do not allow it").wait_for()
     assert (
-        "raise the upper bound of weight on B8 past 8 from 0.5 kg to 3.8962 kg"
+        "Raise the upper bound of weight on B8 past 8 from 0.5 kg to 3.8962 kg"
         in status.inner_text()
     )
     assert balance.state.document.design == APPENDIX_4

@@ -55,9 +55,10 @@ def status(testid: str, level: str, title: str, *lines: str) -> str:
         testid: Name for tests.
         level: ``ok``, ``warn``, ``bad`` or ``plain``.
         title: The first line.
-        lines: Others; empty ones are left out.
+        lines: Others, which get a capital letter; empty ones are left out.
     """
-    return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))
+    said = map(units.capitalized, filter(None, lines))
+    return render("status.j2", testid=testid, level=level, title=title, lines=said)
 
 
 def blocks_html(

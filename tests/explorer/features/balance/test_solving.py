@@ -58,7 +58,7 @@ def test_papers_balance_pins_the_design_before() -> None:
     again = balancing.balance_now(after)
     assert again.document == after.document
     assert "nothing was changed" in status(again)
-    assert "the one before is shown again" in status(actions.restore(after, start.document))
+    assert "The one before is shown again" in status(actions.restore(after, start.document))
 
 
 def test_numbers_of_a_result_are_the_models() -> None:
@@ -202,7 +202,7 @@ def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
     assert isinstance(outcome.error, InfeasibleBounds)
     text = status(after)
     assert "The bounds do not allow it" in text
-    assert "raise the upper bound of weight on B8 past 8 from 0.5 kg to 3.8962 kg" in text
+    assert "Raise the upper bound of weight on B8 past 8 from 0.5 kg to 3.8962 kg" in text
     assert details_html(outcome) == ""
     # What is suggested suffices; the report goes once something is changed, and only then.
     relaxed = balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 3.897))
