@@ -84,7 +84,7 @@ class Excitation:
         random_log_det: That of the best of the random motions.
         random: Number of random motions.
         evaluations: How many motions were evaluated with derivatives.
-        seconds: How long it took [s].
+        seconds: How long it took, without compiling [s].
     """
 
     plan: Plan

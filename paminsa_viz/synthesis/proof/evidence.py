@@ -99,7 +99,7 @@ class Proof:
             none was found.
         remaining: (n, 2, 4) least and largest poses of the boxes that are not decided.
         boxes: Boxes bounded in all.
-        seconds: Time that it took [s].
+        seconds: Time that it took, without that of compiling [s].
     """
 
     verdict: Verdict

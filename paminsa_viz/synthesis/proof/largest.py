@@ -245,7 +245,7 @@ class LargestWorkspace:
             if no path from home to the center was proven, ``"volume"`` if no position meets all.
         requirement: The requirement that it breaks; None for reach and singularity.
         boxes: Boxes bounded.
-        seconds: Time that it took [s].
+        seconds: Time that it took, without that of compiling [s].
     """
 
     workspace: Workspace | None
