@@ -63,38 +63,59 @@ FIELDS = {End.LOW: "at least", End.HIGH: "at most", End.SIZE: "magnitude at most
 """What the numbers of a requirement are, for screen readers."""
 
 
+ALWAYS = ("reach", "singularity")
+"""What is checked before all requirements."""
+
+
+def _named(label: str) -> dict[str, Any]:
+    """Return the row of something of which nothing is known."""
+    return {
+        "index": -1, "place": label, "text": label, "mark": "", "level": "", "reason": "",
+        "worst": "…", "margin": "", "pose": "",
+    }  # fmt: skip
+
+
+def _bound(index: int, bound: Requirement) -> dict[str, Any]:
+    """Return the row of a requirement of which nothing else is known."""
+    return _named("") | {
+        "index": index, "place": index,
+        "symbol": bound.entry.symbol, "unit": bound.entry.display.text,
+        "fields": _fields(bound), "ranges": ranges_label(bound),
+    }  # fmt: skip
+
+
 def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
     mark, name = level(item, requirements)
-    bound = None if item.requirement is None else requirements.bounds[item.requirement]
-    of_bound = (
-        {}
-        if bound is None
-        else {
-            "symbol": bound.entry.symbol,
-            "unit": bound.entry.display.text,
-            "fields": _fields(bound),
-            "ranges": ranges_label(bound),
-        }
-    )
+    index = item.requirement
+    row = _named(item.label) if index is None else _bound(index, requirements.bounds[index])
     _, _, worst, margin, pose = check_row(item, requirements).cells
-    return of_bound | {
-        "index": -1 if item.requirement is None else item.requirement,
-        "place": item.label if item.requirement is None else item.requirement,
-        "mark": mark, "level": name, "text": item.label, "reason": item.reason,
+    return row | {
+        "mark": mark, "level": name, "reason": item.reason,
         "worst": worst, "margin": f"margin {margin}", "share": share(item, requirements),
         "pose": "" if item.pose is None else pose,
     }  # fmt: skip
 
 
 def list_html(frame: Frame) -> str:
-    """Return the list of the requirements with their worst values and margins."""
+    """Return the list of the requirements with their worst values and margins.
+
+    Until they are known, and where they cannot be, it has the bounds alone, which can be changed.
+    """
     state = frame.state
     requirements, check = state.document.requirements, current_check(state)
     rows, note = [], ""
     if check is not None:
         rows = [_row(item, requirements) for item in check.items]
-        note = note_of(state, check)
+        note = f"{note_of(state, check)}. Click a worst value to go there."
+    elif asked(requirements):
+        bounds = [_bound(*each) for each in enumerate(requirements.bounds)]
+        rows = [*map(_named, ALWAYS), *bounds]
+        known = current_volume(state)
+        note = f"{UNCHECKED}." if known is None else known.problem
     return render("requirements/list.j2", rows=rows, chosen=state.requirements.selected, note=note)
+
+
+UNCHECKED = "Not checked yet since the last change"
 
 
 def note_of(state: State, check: RequirementsCheck) -> str:
@@ -130,7 +151,7 @@ def strip_html(state: State) -> str:
         if item.requirement is not None:
             symbol = requirements.bounds[item.requirement].entry.symbol
         items.append((*level(item, requirements), symbol))
-    note = "Not checked yet since the last change" if stale else note_of(state, check)
+    note = UNCHECKED if stale else note_of(state, check)
     return gray_if(stale, render("requirements/strip.j2", items=items, note=note))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer.core import actions as designs
 from paminsa_viz.explorer.core.causes import surface_parts
 from paminsa_viz.explorer.core.frame import compute
@@ -51,6 +52,25 @@ def test_marks_follow_the_design(asked: State) -> None:
     assert strip_html(compute(smaller)).count("✗") == shown.count("✗")
     assert 'title="Worst values over the required workspace' in strip_html(compute(smaller))
     assert "requirements-strip" not in strip_html(compute(initial_state()))
+
+
+def test_bounds_can_be_changed_while_they_are_checked(asked: State) -> None:
+    slow = actions.choose_quantity(asked, "error_horizontal")
+    assert current_check(slow) is None
+    shown = text.list_html(compute(slow))
+    bounds = slow.document.requirements.bounds
+    assert shown.count("<input") == len(bounds)
+    assert shown.count("<td>…</td>") == len(bounds) + len(text.ALWAYS)
+    check = current_check(asked)
+    assert check is not None
+    assert tuple(item.label for item in check.items[: len(text.ALWAYS)]) == text.ALWAYS
+    assert "Not checked yet since the last change." in shown
+    job = VolumeJob(slow.document.design, slow.document.requirements, fine=False)
+    failed = receive(slow, Outcome(job, error=InvalidInput("volume", "there is none")))
+    shown = text.list_html(compute(failed))
+    assert shown.count("<input") == len(bounds)
+    assert "volume: there is none" in shown
+    assert "No requirements yet" in text.list_html(compute(initial_state()))
 
 
 def test_a_name_may_break_where_its_number_and_unit_may_not(asked: State) -> None:
