@@ -22,11 +22,11 @@ from paminsa_viz.explorer.features.balance.charts import (
     tornado_figure,
 )
 from paminsa_viz.explorer.features.balance.solving import middle, run, static_torque
-from paminsa_viz.explorer.features.balance.tab import FRONT
+from paminsa_viz.explorer.features.balance.tab import FRONT, SETTINGS
 from paminsa_viz.explorer.features.balance.texts import front_html, sensitivity_html
 from paminsa_viz.explorer.kit.entries import given
 from paminsa_viz.explorer.kit.inputs import Slider
-from paminsa_viz.explorer.state.balance import BalanceKind, MassFront
+from paminsa_viz.explorer.state.balance import BalanceKind, Goal, MassFront
 from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import (
@@ -180,3 +180,11 @@ def test_torques_of_a_balanced_robot_are_zero_on_the_front_and_not_what_rounding
     shown = front_figure(loaded, None)
     assert [trace["y"] for trace in shown["data"]] == [[0.0], [5.1]]
     assert "range" not in shown["layout"]["yaxis"]
+
+
+def test_where_zero_added_mass_is_no_limit_the_page_says_so() -> None:
+    entries = {entry.key: entry for entry in SETTINGS}
+    of_mass = [entries[f"balance.{name}"].visible for name in ("max_added", "unlimited")]
+    for goal in Goal:
+        state = balancing.choose_goal(START, goal)
+        assert [bool(shown and shown(state)) for shown in of_mass] == [not goal.static] * 2
