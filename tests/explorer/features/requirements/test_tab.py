@@ -69,7 +69,7 @@ def test_bounds_can_be_changed_while_they_are_checked(asked: State) -> None:
     failed = receive(slow, Outcome(job, error=InvalidInput("volume", "there is none")))
     shown = text.list_html(compute(failed))
     assert shown.count("<input") == len(bounds)
-    assert "volume: there is none" in shown
+    assert "Volume: there is none." in shown
     assert "No requirements yet" in text.list_html(compute(initial_state()))
 
 
