@@ -59,6 +59,9 @@ SURFACES: dict[str, Surface] = {
 COMMON = Surface("#ffffff", 0.12, 0.46)
 """The surface of all lit faces where each point has its own color."""
 
+NORMAL_DECIMALS = 9
+"""Of normals in files, whose single precision has seven."""
+
 
 def srgb_to_linear(color: str) -> tuple[float, float, float]:
     """Return ``#rrggbb`` as linear light, 0 to 1: what glTF wants in a base color factor."""
@@ -236,12 +239,16 @@ def _mark_unlit(tree: dict[str, Any]) -> None:
 
 
 def _stacked(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """Return the meshes as one, vertices and normals kept as they are."""
+    """Return the meshes as one, vertices kept as they are.
+
+    Normals are rounded: what is left of zero depends on how a processor adds.
+    """
+    normals = np.vstack([mesh.vertex_normals for mesh in meshes])
     shift = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
     return trimesh.Trimesh(
         vertices=np.vstack([mesh.vertices for mesh in meshes]),
         faces=np.vstack([mesh.faces + s for mesh, s in zip(meshes, shift, strict=True)]),
-        vertex_normals=np.vstack([mesh.vertex_normals for mesh in meshes]),
+        vertex_normals=np.round(normals, NORMAL_DECIMALS) + 0.0,  # no zero has a sign
         process=False,
     )
 
