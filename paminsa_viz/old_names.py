@@ -9,7 +9,12 @@ from __future__ import annotations
 KNEES = {"printed": "lower", "mirror": "upper"}
 """Branches of the knee."""
 
-FLAGS = {"--assembly": "--knee", "--minimum-time": "--shortest", "--jobs": "--workers"}
+FLAGS = {
+    "--assembly": "--knee",
+    "--minimum-time": "--shortest",
+    "--jobs": "--workers",
+    "--save": "--out",
+}
 """Flags of the command line."""
 
 

@@ -72,7 +72,8 @@ def test_ratios_of_every_motor(capsys) -> None:
 @pytest.mark.slow
 def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
     Path("weak.csv").write_text(MOTORS.replace("motor,small", "# motor,small"))
-    code, out, err = run("drives", capsys, "--catalog", "weak.csv", "--out", "no.toml")
+    older = ("--save", "no.toml")  # the name that --out had here
+    code, out, err = run("drives", capsys, "--catalog", "weak.csv", *older)
     assert (code, err) == (1, "")
     assert "no drive fits; the nearest is weak, box, whose" in out
     assert "no slower motion makes one fit" in out
@@ -96,6 +97,7 @@ def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
         (("--rows", "0"), "--rows"),
         (("--order", "color"), "--order"),
         (("--out", "robot.csv"), "--out robot.csv"),
+        (("--save", "robot.csv"), "--out robot.csv"),
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )
