@@ -66,7 +66,8 @@ def report_html(request: ReportRequest, progress: Progress = go_on) -> str:
     verified = cache(lambda: checked(request))
     steps, sections = list(_steps(request, analysis, verified)), list[Section]()
     for done, (step, make) in enumerate(steps):
-        keep_on(progress, done / len(steps), step=step)
+        if step:
+            keep_on(progress, done / len(steps), step=step)
         sections.append(make())
     found = verified()
     return template().render(
@@ -90,6 +91,8 @@ def _steps(
     request: ReportRequest, motion: TrajectoryAnalysis, verified: Callable[[], Verification | str]
 ) -> Iterator[tuple[str, Callable[[], Section]]]:
     """Yield all that is asked for in its order: what is said meanwhile, and what makes a section.
+
+    Of a section that only says why it is empty nothing is said.
 
     Args:
         request: What to report on.
@@ -117,7 +120,8 @@ def _steps(
     if request.log is not None:
         log = request.log
         yield "identification", lambda: identification_section(investigate(log, design))
-    yield "verification", lambda: verification_section(verified())
+    meanwhile = "verification" if request.verified else ""
+    yield meanwhile, lambda: verification_section(verified())
     yield "balance", partial(balance_section, motion)
     yield "provenance", lambda: provenance_section(request, verified())
 

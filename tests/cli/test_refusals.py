@@ -134,7 +134,7 @@ accuracy --pose 0 0 0 -2000                         | cannot be taken
 accuracy --radius -5                                | radius
 accuracy --robots 5                                 | --robots is for --manufacture
 accuracy --manufacture --robots -1                  | whole numbers of at least 0
-accuracy --manufacture --robots 2000000             | 1 to 1000000 are possible
+accuracy --manufacture --robots 2000000             | 1 to 1,000,000 are possible
 clearance --poses -1                                | --poses
 clearance --pose 900 0 0 -500                       | x 900 mm
 excite --max-torque -1                              | --max-torque
