@@ -31,7 +31,7 @@ STEPS: Final = (
         "Status and torques",
         "This strip stays above all tabs: whether the robot can take the pose, the margin to the "
         "nearest limit, and the static torques of M1 to M4. Under the pointer it also shows the "
-        "condition number κ, and M_p2, which is zero for a balanced robot.",
+        "condition number κ, and the static imbalance, zero for a balanced robot.",
         "div:has(> .pv-strip)",
     ),
     _step(
