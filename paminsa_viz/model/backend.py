@@ -91,6 +91,12 @@ class WorkClock:
         return time.perf_counter() - self._start - (loading.seconds - self._loaded)
 
 
+class _Avoided(threading.local):
+    """How many of `use_numpy` each thread is in."""
+
+    depth = 0
+
+
 class _Kernels:
     """The compiled kernels: those of motions, and of each formula, loaded once that pays."""
 
@@ -101,13 +107,12 @@ class _Kernels:
         self.worth = WORTH_LOADING
         self.requested: dict[Formula | None, int] = {}
         self.lock = threading.Lock()
-        self.avoided = threading.local()
-        """Its ``depth`` says how many of `use_numpy` a thread is in."""
+        self.avoided = _Avoided()
 
     @property
     def allowed(self) -> bool:
         """Whether this thread may use what is compiled."""
-        return not getattr(self.avoided, "depth", 0)
+        return not self.avoided.depth
 
     def pays(self, size: int, formula: Formula | None = None) -> bool:
         """Count ``size`` more poses of motions, or of a formula; whether to load its kernels."""
@@ -200,7 +205,7 @@ class use_numpy(ContextDecorator):
     """Context in which all that its thread computes runs on NumPy, to the same bits every time."""
 
     def __enter__(self) -> None:
-        _kernels.avoided.depth = getattr(_kernels.avoided, "depth", 0) + 1
+        _kernels.avoided.depth += 1
 
     def __exit__(self, *_: object) -> None:
         _kernels.avoided.depth -= 1

@@ -66,6 +66,9 @@ FIELDS = {End.LOW: "at least", End.HIGH: "at most", End.SIZE: "magnitude at most
 ALWAYS = ("reach", "singularity")
 """What is checked before all requirements."""
 
+UNCHECKED = "Not checked yet since the last change"
+"""Where a check waits, or what it said is behind."""
+
 
 def _named(label: str) -> dict[str, Any]:
     """Return the row of something of which nothing is known."""
@@ -113,9 +116,6 @@ def list_html(frame: Frame) -> str:
         known = current_volume(state)
         note = f"{UNCHECKED}." if known is None else known.problem
     return render("requirements/list.j2", rows=rows, chosen=state.requirements.selected, note=note)
-
-
-UNCHECKED = "Not checked yet since the last change"
 
 
 def note_of(state: State, check: RequirementsCheck) -> str:
