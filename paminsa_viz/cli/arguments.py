@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import redirect_stderr
 from contextvars import ContextVar
 from dataclasses import MISSING, fields
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, Union, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, Union, get_args, get_type_hints
 
 import tyro
 
@@ -84,7 +84,10 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
     except SystemExit as stop:
         if not stop.code:
             raise
-        raise UsageError(f"{one_line(message.getvalue())}; see {program} --help") from None
+        told = one_line(message.getvalue())
+        if left_over := re.match(r"Unrecognized options: ([^-,][^,]*)", told):
+            told = f"{left_over[1]!r} is left over: {_takes(kind, words, program)}"
+        raise UsageError(f"{told}; see {program} --help") from None
     if repeated := _repeated_flag(found, words):
         raise UsageError(f"{repeated} takes one value, but is given twice; see {program} --help")
     return found
@@ -98,6 +101,18 @@ def _check_subcommand(kind: Any, words: Sequence[str], program: str) -> None:
     if words[0] not in names:
         hint = name_hint(words[0], names)
         raise UsageError(f"there is no command '{program} {words[0][:40]}'; {hint}")
+
+
+def _takes(kind: Any, words: Sequence[str], program: str) -> str:
+    """Return what a command takes besides its flags, in words."""
+    if not inspect.isclass(kind):
+        commands = {mark.name: one for one, mark in map(get_args, get_args(kind))}
+        name = next(word for word in words if word in commands)
+        kind, program = commands[name], f"{program} {name}"
+    marks = [get_args(hint)[1:] for hint in get_type_hints(kind, include_extras=True).values()]
+    named = [mark[-1].metavar for mark in marks if tyro.conf.Positional in mark]
+    most = f"at most {len(named)}, " if len(named) > 1 else ""
+    return f"besides flags {program} takes {most}{' '.join(named) or 'nothing'}"
 
 
 def _repeated_flag(found: Any, words: Sequence[str]) -> str | None:

@@ -19,7 +19,9 @@ stiffness --pose                                    | --pose: 4 numbers are need
 report --out                                        | --out: a value is needed; see
 start --port 65536                                  | --port: 65536 is not from 0 to 65535
 start --prot 1                                      | --prot
-start here                                          | Unrecognized options: here
+start here                                          | flags paminsa-viz takes nothing; see
+map --theta 1 2 --z 3                               | '2' is left over: besides flags
+evaluate a.csv b.csv --out c.csv                    | evaluate takes IN.csv; see
 --port -1                                           | --port: -1 is not from 0 to 65535
 evaluat                                             | 'evaluat'; did you mean evaluate?
 xyz                                                 | 'xyz'; there are start, evaluate, design
@@ -53,6 +55,7 @@ design                                              | Expected one of
 design chek                                         | 'paminsa-viz design chek'; did you mean check?
 design robot.toml                                   | robot.toml'; there are check, show, default
 design check                                        | a file is needed
+design diff a b c d                                 | diff takes at most 2, FILE FILE; see
 map --cells abc                                     | --cells: a whole number is needed, not 'abc'
 map --theta abc                                     | --theta: a number is needed, not 'abc'
 map --theta nan                                     | --theta
