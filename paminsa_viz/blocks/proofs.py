@@ -111,8 +111,13 @@ def largest_blocks(
         undecided = found.proof.verdict is Verdict.UNDECIDED
         why = "undecided" if undecided else "none"
         head = Note(f"Largest workspace: {why}{_cause(found, text)}", "bad")
-        # a path from home is looked for once, however long the search
-        return [head, Note(advice)] if undecided and found.cause != "home" else [head]
+        if undecided:  # a path from home is looked for once, however long the search
+            return [head] if found.cause == "home" else [head, Note(advice)]
+        place = requirements.workspace
+        if place and None in place.center and found.cause not in ("home", "volume"):
+            other = "about every other center that was tried a requirement breaks as well"
+            return [head, Note(other)]
+        return [head]
     # what is told is no larger than what is proven, and no smaller than what breaks
     size, beyond = (
         tuple(rounded_to_side(extent, 4, up=up) for extent in extents)

@@ -307,6 +307,12 @@ def test_the_largest_workspace_and_what_ends_it() -> None:
     assert text(proof=refuted, cause="volume") == [
         (f"{begin}none: no position meets all requirements", "bad")
     ]
+    others = "about every other center that was tried a requirement breaks as well"
+    assert text(proof=refuted, cause="reach")[1:] == [(others, "plain")]
+    assert len(text(proof=refuted, cause="home")) == 1
+    given = replace(asked, workspace=replace(PLACE, center=(0.0, 0.0, -0.5)))
+    one: Any = SimpleNamespace(**vars(found) | {"proof": refuted, "cause": "reach"})
+    assert len(proofs.largest_blocks(given, one)) == 1
     longer = ("more time may decide it", "plain")
     assert text(cause="") == [(f"{begin}undecided", "bad"), longer]
     assert text(cause="reach")[0][0].endswith(": reach")

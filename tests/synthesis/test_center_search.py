@@ -359,6 +359,37 @@ def test_margins_are_shares_of_their_bounds_where_they_count() -> None:
             assert made._margins(poses) == pytest.approx(expected)
 
 
+def test_kept_extents_have_to_hold_about_a_center() -> None:
+    """At their edge, their ends and every heading; what grows may be as small as it takes."""
+    design = replace(APPENDIX_4, geometry=replace(APPENDIX_4.geometry, platform_joint_height=0.0))
+    centers = np.array([[0.0, 0.0, -0.1 * n] for n in range(3, 9)])
+    low = replace(REGION, theta=(-0.3, 0.3))
+
+    def held(bound: Requirement, growth: Growth, free: Any = (False, False, True)) -> Any:
+        needed = Requirements((bound,), low.theta)
+        made = search(free, growth, _design=design, _requirements=needed, _region=low)
+        return np.round(made._holding(centers)[:, 2], 9).tolist()
+
+    every = [-0.3, -0.4, -0.5, -0.6, -0.7, -0.8]
+    turned = Requirement("tau_1", high=0.0)  # of the other sign for half of the headings
+    assert held(turned, Growth.ALL) == []
+    assert held(turned, Growth.ALL, (True, True, True)) == every  # nodes of the volume
+    wide = Requirement("condition", high=3.0)  # up to about 0.1 m off the axis
+    assert held(wide, Growth.ALL) == every
+    assert held(wide, Growth.HORIZONTAL) == every[:-1]  # 0.2 m lower is out of reach
+    assert held(wide, Growth.VERTICAL) == []
+    deep = Requirement("reach_margin", low=0.1)
+    assert held(deep, Growth.ALL) == every
+    assert held(deep, Growth.HORIZONTAL) == every[:4]  # at -0.9 m less than 0.1 m are left
+
+
+def test_where_no_center_holds_the_one_next_to_home_is_said_at_once() -> None:
+    made = search((False, False, True), _inside=np.array([[0, 0, -z] for z in (0.3, 0.56, 0.8)]))
+    made._requirements = Requirements((Requirement("tau_1", high=0.0),), REGION.theta)
+    made._largest = None  # is not asked
+    assert made.find(Control(5.0)) == PlacedCenter((0.0, 0.0, -0.56), 0.0)
+
+
 class Rounds:
     """A search whose parts are made up: centers along x, broken ones further in each round."""
 
@@ -446,6 +477,7 @@ def test_a_plain_place_is_taken_where_it_costs_nothing(free: Any, kept: Any, exp
         rounds = Rounds(lambda row, _, f=factor: kept(row / f), lambda n: 0, [place])
         rounds.made._design = enlarged(APPENDIX_4, factor)
         rounds.made._free = np.array(free)
+        rounds.made._holding = lambda centers: centers
         found = rounds.made.find(Control(5.0))
         assert found is not None
         assert np.divide(found.center, factor) == pytest.approx(expected, abs=1e-10)

@@ -208,6 +208,21 @@ def test_a_bound_that_the_center_breaks_leaves_nothing(growth: Growth) -> None:
     assert nowhere.workspace is None
 
 
+@pytest.mark.slow
+def test_a_free_height_at_which_none_holds_is_said_at_once_with_the_bound() -> None:
+    """Of a bound that is proven, and of one that is sampled."""
+    place = replace(CYLINDER, center=(0.0, 0.0, None))
+    for bound, growth in (
+        (Requirement("tau_1", high=0.0), Growth.HORIZONTAL),
+        (Requirement("transmission", low=0.9), Growth.VERTICAL),
+    ):
+        needed = Requirements((bound,), (-TURN, TURN))
+        found = largest_workspace(APPENDIX_4, needed, place, growth=growth)
+        assert (found.workspace, found.proof.verdict) == (None, Verdict.REFUTED)
+        assert found.requirement == bound
+        assert found.pose is not None
+
+
 def test_without_time_the_answer_is_open_or_smaller() -> None:
     found = largest_workspace(APPENDIX_4, NEEDED, CYLINDER, time_limit=1e-6)
     assert found.gap > 0.02

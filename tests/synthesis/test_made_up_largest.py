@@ -125,7 +125,7 @@ def test_a_small_reach_has_small_stages_and_a_later_limit_counts(made_up: Any) -
     made_up.asked.clear()
     nothing.run(1e-3)
     assert not made_up.asked
-    assert nothing.cause == ""
+    assert nothing.cause == "singularity"
 
 
 def test_a_search_that_is_over_ends_after_its_stage(made_up: Any) -> None:
@@ -263,8 +263,10 @@ def test_without_a_path_from_home_there_is_nothing(
     made_up: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(largest, "home_path", lambda *_: np.empty((0, 4)))
-    region = growing(CONDITION)
+    monkeypatch.setattr(largest, "least_free", lambda *_: (np.zeros(4), 0.1, "reach"))
+    region = growing(CONDITION, Requirement("reach_margin", low=0.01))
     region.run(1e-3)
+    assert region.cause == ""
     assert (region.lower, region.upper, region.pose, made_up.asked) == (0.0, 0.0, None, [])
 
 

@@ -34,6 +34,7 @@ from paminsa_viz.synthesis.proof.evidence import (
     in_order,
     pose_of,
     prove_reach,
+    reach_margin,
     reach_scale,
     regions_of,
 )
@@ -101,10 +102,10 @@ class GrowingRegion:
 
     def run(self, tolerance: float) -> None:
         """Bring the bounds together."""
+        self._name_limit_of_reach()
         if self.upper <= 0.0:
             return
         self._tolerance = tolerance
-        self._name_limit_of_reach()
         self._sample()
         # an answer of the first stage at once, and finer ones while there is time
         first = FIRST_TOLERANCE * length_ratio(self.design.geometry)
@@ -147,9 +148,11 @@ class GrowingRegion:
             if value <= 0.0:
                 self.pose, self.cause = pose, cause
                 return
-        low = [r for r in self.requirements.bounds if r.quantity == "reach_margin"]
-        if low:
-            self.cause, self.requirement = "reach_margin", low[0]
+        for bound in self.requirements.bounds:
+            least = method(bound) is Method.CLOSED_FORM
+            if least and reach_margin(self.design, self.requirements, bound, whole) < 0.0:
+                self.cause, self.requirement = "reach_margin", bound
+                return
 
     def _sample(self) -> None:
         """Lower the upper bound to where samples break a requirement that cannot be proven."""
@@ -189,6 +192,8 @@ class GrowingRegion:
                 high = min(middle, self.upper)
             else:
                 low = middle
+        if low == 0.0 and not self.control.over:  # no scale is known at which it holds
+            self._sampled(requirement, NOTHING)
         return min(low, high)
 
     def _sampled(self, requirement: Requirement, scale: float) -> bool:
@@ -231,8 +236,9 @@ class LargestWorkspace:
     """The largest workspace that is proven.
 
     Attributes:
-        workspace: The workspace. None if already its center breaks a requirement, which the proof
-            then refutes; or if the time was too short, which leaves it undecided.
+        workspace: The workspace. None if already its center, or what is kept of its extents, breaks
+            a requirement, which the proof then refutes: of a free center so does every one that was
+            tried. None as well if the time was too short, which leaves it undecided.
         theta: Headings (least, largest) [rad].
         proof: What is proven over it, and how.
         limit: Size (x, y, z) from which on poses break a requirement [m]: about this center, or, if
@@ -316,7 +322,7 @@ def largest_workspace(
         scale = max(growing.upper, place.scale)
         limit = _size(region.scaled(scale, grows))
     if growing is None or found is None:
-        verdict = Verdict.UNDECIDED if scale > 0.0 else Verdict.REFUTED
+        verdict = Verdict.UNDECIDED if scale > NOTHING else Verdict.REFUTED
         largest, size = None, (0.0, 0.0, 0.0)
         proof = Proof(verdict, replace(region, half=size), ())
         cause = "volume" if growing is None else growing.cause or "home"

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.resizing import plain_decimals
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.proof.bisection import Control, Gauge
@@ -30,6 +31,12 @@ from paminsa_viz.synthesis.proof.regions import (
     least_free,
 )
 from paminsa_viz.synthesis.volume.grid import Resolution, side_end
+from paminsa_viz.synthesis.volume.margins import (
+    Columns,
+    heading_margins,
+    headings,
+    time_per_position,
+)
 from paminsa_viz.synthesis.volume.solve import solve_volume
 
 RESOLUTION = Resolution(60_000, 9, 2.0)
@@ -40,6 +47,12 @@ CANDIDATES = 600
 
 MOST_POSITIONS = 3000
 """Positions of the volume that are kept."""
+
+_BUDGET, _LEAST_CENTERS = 0.3, 32
+"""Time that costly quantities may take at the kept extents of centers [s], of so many at least."""
+
+_RING = 4
+"""Positions for every 120 degrees on the edge of kept extents."""
 
 _SHARE = 0.4
 """Part of the time that the search may take."""
@@ -60,7 +73,8 @@ class PlacedCenter:
 
     Attributes:
         center: Its center (x, y, z) [m].
-        scale: No region of any center is known to be larger: its scale by the positions found.
+        scale: No region of any center is known to be larger: its scale by the positions found. Zero
+            if what is given and kept breaks a requirement about every center that was tried.
     """
 
     center: tuple[float, float, float]
@@ -119,7 +133,13 @@ class CenterSearch:
         if not len(self._inside):
             return None
         end = control.elapsed + _SHARE * control.left
-        center, scale = self._largest(self._with_given(self._inside))
+        candidates = self._with_given(self._inside)
+        holding = self._holding(candidates)
+        if not len(holding):
+            home = np.array(home_pose(self._design.geometry))[[0, 1, 3]]
+            x, y, z = candidates[np.linalg.norm(candidates - home, axis=1).argmin()].tolist()
+            return PlacedCenter((x, y, z), 0.0)
+        center, scale = self._largest(holding)
         tried = np.empty((0, 3))
         while True:
             found = np.concatenate([self._searched(center, scale), self._beyond(center, scale)])
@@ -146,6 +166,32 @@ class CenterSearch:
     def _with_given(self, centers: Array) -> Array:
         """Return centers with the coordinates that are given, each once."""
         return np.unique(np.where(self._free, centers, self._region.center), axis=0)
+
+    def _holding(self, centers: Array) -> Array:
+        """Return the centers about which the kept extents alone break nothing, at samples (m, 3).
+
+        Of costly quantities fewer centers are tried. Where all is free and grows all of them hold.
+        """
+        if self._free.all() and all(self._grows):
+            return centers
+        x, y, z = np.where(self._grows, 0.0, self._region.half)
+        ring = self._region.shape.section.ring(_RING, third=False)
+        plan = np.unique(np.concatenate([np.zeros((1, 2)), ring * [x, y]]), axis=0)
+        heights, needed = np.unique([-z, 0.0, z]), self._requirements
+        cost = time_per_position(self._design, needed, RESOLUTION.headings, len(heights))
+        most = max(_LEAST_CENTERS, int(_BUDGET / max(cost * len(plan), 1e-9)))
+        if len(centers) > most:
+            centers = centers[np.linspace(0, len(centers) - 1, most).round().astype(int)]
+        positions = (centers[:, None, :2] + plan).reshape(-1, 2)
+        lift = np.repeat(centers[:, 2], len(plan))
+        margins, _ = heading_margins(
+            self._design, needed, positions, heights, RESOLUTION.headings, lift=lift
+        )
+        turns = headings(needed.theta, RESOLUTION.headings)
+        poses = Columns.at(positions, turns, heights, lift).poses()
+        free = freedom(self._design.geometry, poses.reshape(-1, 4)).min(axis=0)
+        holds = (margins >= 0.0).all(axis=(0, 2)).reshape(len(centers), -1).all(axis=1)
+        return centers[holds & (free.reshape(len(centers), -1) > 0.0).all(axis=1)]
 
     def _around(self, center: Array) -> Array:
         """Return centers near to one and far from it."""
