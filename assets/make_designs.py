@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.balancing import balance
 from paminsa_viz.clearance import clearance
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import write_design
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.model import (
     APPENDIX_4,
     Payload,

@@ -18,13 +18,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz import files
-from paminsa_viz.actuation.catalog import read_catalog
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core import persistence, tab_store
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.files.design_file import read_content
 from paminsa_viz.files.design_writer import write_design
+from paminsa_viz.files.drive_catalog import read_catalog
 from paminsa_viz.files.logs import parse_log
 from paminsa_viz.files.measurements import parse_measurements
 from paminsa_viz.files.plain_data import (

@@ -5,13 +5,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.actuation.catalog import (
-    Catalog,
-    CatalogError,
-    generic_catalog,
-    load_catalog,
-    read_catalog,
-)
+from paminsa_viz.actuation.catalog import Catalog, CatalogError
 from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.payload import PayloadChange, payload_change, payload_time_scaling
 from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
@@ -44,12 +38,9 @@ __all__ = [
     "capability",
     "duty_cycle",
     "field_capability",
-    "generic_catalog",
-    "load_catalog",
     "payload_change",
     "payload_time_scaling",
     "ratio_intervals",
-    "read_catalog",
     "select_drives",
     "size_drives",
     "wrench_polytope",

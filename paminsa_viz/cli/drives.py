@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from paminsa_viz.actuation.catalog import Catalog, generic_catalog, load_catalog
+from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.duty import Duty, DutyCycle, duty_cycle
 from paminsa_viz.actuation.ratios import catalog_ratios
 from paminsa_viz.actuation.selection import select_drives
@@ -28,6 +28,7 @@ from paminsa_viz.cli.output import (
     print_written,
     save_changed,
 )
+from paminsa_viz.files.drive_catalog import generic_catalog, load_catalog
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.trajectory import PRESET, ImpossibleTrajectory, Trajectory

@@ -1,9 +1,9 @@
 """Reading and writing files: designs as TOML, tables of poses as CSV.
 
-What scripts need are `load_design` and `save_design`, `read_log`, `read_measurements` and
-`read_trajectory`, and `save_table`. Nothing here computes a robot; these modules turn text into the
-model's types and back, and name the file, the line or row, and the key or column of whatever they
-refuse.
+What scripts need are `load_design` and `save_design`, `read_log`, `read_measurements`,
+`read_trajectory` and `load_catalog`, and `save_table`. Nothing here computes a robot; these modules
+turn text into the model's types and back, and name the file, the line or row, and the key or column
+of whatever they refuse.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from paminsa_viz.late import late_names
 if TYPE_CHECKING:
     from paminsa_viz.errors import FileError, TableFileError
     from paminsa_viz.files.design_file import DesignContent, load_content, load_design, save_design
+    from paminsa_viz.files.drive_catalog import generic_catalog, load_catalog, read_catalog
     from paminsa_viz.files.errors import DesignFileError
     from paminsa_viz.files.example_designs import ExampleDesign, example_design
     from paminsa_viz.files.example_logs import ExampleLog, example_log
@@ -47,11 +48,14 @@ __all__ = [
     "analysis_table",
     "example_design",
     "example_log",
+    "generic_catalog",
+    "load_catalog",
     "load_content",
     "load_design",
     "log_table",
     "measurement_table",
     "provenance",
+    "read_catalog",
     "read_log",
     "read_measurements",
     "read_published",

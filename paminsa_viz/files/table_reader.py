@@ -9,7 +9,7 @@ import csv
 import io
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from itertools import chain, islice
 from typing import TextIO
@@ -66,16 +66,150 @@ class TableBlock:
         return np.stack([self.values.get(name, missing) for name in names], axis=1)
 
 
-class TableReader:
-    """An open CSV table: its header is checked, its rows are read on demand.
+class TableRows:
+    """An open CSV table: its header is read, its rows are read on demand, as texts.
 
-    Lines that begin with ``#`` may come before the header. Columns are in any order, between
-    commas, or between semicolons or tabs: numbers may then have a decimal comma, all of them.
+    Lines that begin with ``#`` may come before the header. Columns are between commas, or between
+    semicolons or tabs: numbers may then have a decimal comma, all of them.
 
     Attributes:
+        empty: Whether there is no header.
         header: Names of all columns.
-        columns: The columns that are read.
+        head_row: Row of the header, as a spreadsheet counts.
+        row: Row of the next record.
         facts: What lines ``# key: value`` of them say.
+        error: The type of errors.
+    """
+
+    error: type[TableFileError] = TableFileError
+
+    def __init__(self, lines: TextIO, source: str, timeout: float | None = None) -> None:
+        """Read the header.
+
+        Args:
+            lines: The text, opened with ``newline=""``.
+            source: Its name, for messages.
+            timeout: How long the table may take to read [s]; None for as long as it takes.
+
+        Raises:
+            TableFileError: If it is no CSV.
+        """
+        self._source = source
+        self.row = 1
+        self._comments: list[str] = []
+        self.facts: dict[str, str] = {}
+        text = self._lines(lines, timeout)
+        head = self._after_comments(text)
+        self._separator = next((sign for sign in _SEPARATORS if sign in "".join(head)), ",")
+        self._decimal = "." if self._separator == "," else ""
+        self._records = csv.reader(chain(head, text), delimiter=self._separator, strict=True)
+        self.head_row = self.row
+        header = self.read(1)
+        self.empty = not header
+        self.header = tuple(name.strip() for names in header for name in names)
+
+    @property
+    def comments(self) -> list[str]:
+        """The lines before the header, without their ends, as text that can be written."""
+        # bytes that are no UTF-8 came as surrogates, which no file takes
+        lines = (line.rstrip("\r\n") for line in self._comments)
+        return [line.encode(errors="replace").decode() for line in lines]
+
+    def _lines(self, lines: TextIO, timeout: float | None) -> Iterator[str]:
+        """Yield the lines; raises at one that is too long before it is read to its end."""
+        end = None if timeout is None else time.monotonic() + timeout
+        while line := lines.readline(LONGEST_ROW + 1):
+            if len(line) > LONGEST_ROW:
+                raise csv.Error(f"the row is longer than {LONGEST_ROW:,} characters")
+            if end is not None and time.monotonic() > end:
+                raise self.refused(f"takes longer than {timeout:g} s to read; thin it out")
+            yield line
+
+    def _after_comments(self, text: Iterator[str]) -> list[str]:
+        """Note the lines that begin with ``#``; return the line after them, if there is one."""
+        try:
+            for line in text:
+                if not line.startswith("#"):
+                    return [line]
+                self._comments.append(line)
+                key, _, value = line[1:].partition(":")
+                self.facts[key.strip()] = value.strip()
+                self.row += 1
+        except csv.Error as error:
+            raise self.refused(f"is not valid CSV: {error}", self.row) from error
+        return []
+
+    def read(self, count: int) -> list[list[str]]:
+        """Return up to ``count`` records; a line end inside quotes does not count as a row."""
+        records: list[list[str]] = []
+        try:
+            # Keeps what it has read when the reader raises, so that the row is known.
+            records.extend(islice(self._records, count))
+        except csv.Error as error:
+            row = self.row + len(records)
+            raise self.refused(f"is not valid CSV: {error}", row) from error
+        except OSError as error:
+            raise as_file_error(self._source, error, "read", self.error) from error
+        self.row += len(records)
+        return records
+
+    def with_points(
+        self, cells: list[list[str]], first_row: int, texts: Set[int] = frozenset()
+    ) -> list[list[str]]:
+        """Return the texts of rows with a point for a decimal comma.
+
+        Args:
+            cells: The texts.
+            first_row: Row of the first of them.
+            texts: Places of the columns that are no numbers, which stay as they are.
+
+        Raises:
+            TableFileError: Where the file has both, as one of them then groups thousands.
+        """
+        if self._separator == ",":
+            return cells
+        if texts:
+            numbers = [["" if i in texts else c for i, c in enumerate(row)] for row in cells]
+        else:
+            numbers = cells
+        text = "".join(chain.from_iterable(numbers))
+        signs = {sign for sign in _SIGNS if sign in text} | {self._decimal} - {""}
+        if len(signs) > 1:
+            raise self._mixed_signs(numbers, first_row)
+        self._decimal = "".join(signs)
+        if "," not in text:
+            return cells
+        return [
+            [cell if i in texts else cell.replace(",", ".") for i, cell in enumerate(record)]
+            for record in cells
+        ]
+
+    def _mixed_signs(self, cells: list[list[str]], first_row: int) -> TableFileError:
+        """Return the error of the first cell with another decimal sign than those before it."""
+        known = self._decimal
+        for row, record in enumerate(cells, first_row):
+            for place, cell in enumerate(record):
+                for sign in (sign for sign in cell if sign in _SIGNS):
+                    known = known or sign
+                    if sign != known:
+                        here, before = _SIGNS[sign], _SIGNS[known]
+                        column = self.header[place] if place < len(self.header) else ""
+                        problem = f"{shown(cell)} has a {here}, where decimals before it have a"
+                        return self.refused(f"{problem} {before}", row, column)
+        raise AssertionError("decimals have one sign")
+
+    def refused(self, problem: str, row: int | None = None, column: str = "") -> TableFileError:
+        """Return the error of a table, of one of its rows, or of a cell."""
+        return self.error(self._source, problem, row=row, column=column)
+
+
+class TableReader(TableRows):
+    """An open CSV table of numbers: its header is checked, its rows are read on demand.
+
+    Columns are in any order.
+
+    Attributes:
+        columns: The columns that are read.
     """
 
     def __init__(
@@ -92,29 +226,11 @@ class TableReader:
         Raises:
             TableFileError: If the header is not one of such a table.
         """
-        self._source = source
-        self._row = 1
-        self._comments: list[str] = []
-        self.facts: dict[str, str] = {}
-        text = self._lines(lines, timeout)
-        head = self._after_comments(text)
-        self._separator = next((sign for sign in _SEPARATORS if sign in "".join(head)), ",")
-        self._decimal = "." if self._separator == "," else ""
-        self._records = csv.reader(chain(head, text), delimiter=self._separator, strict=True)
-        head_row = self._row
-        header = self._read(1)
-        if not header:
+        super().__init__(lines, source, timeout)
+        if self.empty:
             needed = ",".join(kind.needed)
             raise TableFileError(source, f"is empty; a header row with {needed} is needed")
-        self.header = tuple(name.strip() for name in header[0])
-        self.columns: tuple[Column, ...] = match_columns(self.header, kind, source, head_row)
-
-    @property
-    def comments(self) -> list[str]:
-        """The lines before the header, without their ends, as text that can be written."""
-        # bytes that are no UTF-8 came as surrogates, which no file takes
-        lines = (line.rstrip("\r\n") for line in self._comments)
-        return [line.encode(errors="replace").decode() for line in lines]
+        self.columns: tuple[Column, ...] = match_columns(self.header, kind, source, self.head_row)
 
     def blocks(self, rows_at_once: int = ROWS_AT_ONCE) -> Iterator[TableBlock]:
         """Yield the rows in their order, at most ``rows_at_once`` in a block.
@@ -128,19 +244,19 @@ class TableReader:
         """
         blank_row = 0
         while True:
-            first_row, cells = self._row, self._read(rows_at_once)
+            first_row, cells = self.row, self.read(rows_at_once)
             if not cells:
                 return
             while cells and _is_blank(cells[-1]):
                 cells.pop()
             if cells and blank_row:
-                raise self._refused("the row is empty, but others follow it", blank_row)
-            if blank_row and self._row - blank_row > MOST_BLANK_ROWS:
-                raise self._refused(f"over {MOST_BLANK_ROWS:,} blank rows end the table", blank_row)
+                raise self.refused("the row is empty, but others follow it", blank_row)
+            if blank_row and self.row - blank_row > MOST_BLANK_ROWS:
+                raise self.refused(f"over {MOST_BLANK_ROWS:,} blank rows end the table", blank_row)
             if cells:
-                cells = self._with_points(cells, first_row)
+                cells = self.with_points(cells, first_row)
                 yield TableBlock(first_row, cells, self._values(cells, first_row))
-            if first_row + len(cells) < self._row:
+            if first_row + len(cells) < self.row:
                 blank_row = blank_row or first_row + len(cells)
 
     def read_all(self, most: int, what: str = "rows") -> tuple[int, dict[str, NDArray[np.float64]]]:
@@ -160,7 +276,7 @@ class TableReader:
             parts.append(dict(block.values))
             count += len(block.cells)
             if count > most:
-                raise self._refused(f"there are more than {most:,} {what}; thin them out")
+                raise self.refused(f"there are more than {most:,} {what}; thin them out")
         return first_row, {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
 
     def require_increasing(self, name: str, values: NDArray[np.float64], first_row: int) -> None:
@@ -179,74 +295,7 @@ class TableReader:
             column = next(column for column in self.columns if column.name == name)
             before, after = (float(values[at] / column.factor) for at in (row, row + 1))
             problem = f"times have to increase, and {shown(after)} follows {shown(before)}"
-            raise self._refused(problem, first_row + row + 1, column.header)
-
-    def _lines(self, lines: TextIO, timeout: float | None) -> Iterator[str]:
-        """Yield the lines; raises at one that is too long before it is read to its end."""
-        end = None if timeout is None else time.monotonic() + timeout
-        while line := lines.readline(LONGEST_ROW + 1):
-            if len(line) > LONGEST_ROW:
-                raise csv.Error(f"the row is longer than {LONGEST_ROW:,} characters")
-            if end is not None and time.monotonic() > end:
-                raise self._refused(f"takes longer than {timeout:g} s to read; thin it out")
-            yield line
-
-    def _after_comments(self, text: Iterator[str]) -> list[str]:
-        """Note the lines that begin with ``#``; return the line after them, if there is one."""
-        try:
-            for line in text:
-                if not line.startswith("#"):
-                    return [line]
-                self._comments.append(line)
-                key, _, value = line[1:].partition(":")
-                self.facts[key.strip()] = value.strip()
-                self._row += 1
-        except csv.Error as error:
-            raise self._refused(f"is not valid CSV: {error}", self._row) from error
-        return []
-
-    def _read(self, count: int) -> list[list[str]]:
-        """Return up to ``count`` records; a line end inside quotes does not count as a row."""
-        records: list[list[str]] = []
-        try:
-            # Keeps what it has read when the reader raises, so that the row is known.
-            records.extend(islice(self._records, count))
-        except csv.Error as error:
-            row = self._row + len(records)
-            raise self._refused(f"is not valid CSV: {error}", row) from error
-        except OSError as error:
-            raise as_file_error(self._source, error, "read", TableFileError) from error
-        self._row += len(records)
-        return records
-
-    def _with_points(self, cells: list[list[str]], first_row: int) -> list[list[str]]:
-        """Return the texts with a point for a decimal comma.
-
-        Raises:
-            TableFileError: Where the file has both, as one of them then groups thousands.
-        """
-        text = "" if self._separator == "," else "".join(chain.from_iterable(cells))
-        signs = {sign for sign in _SIGNS if sign in text} | {self._decimal} - {""}
-        if len(signs) > 1:
-            raise self._mixed_signs(cells, first_row)
-        self._decimal = "".join(signs)
-        if "," not in text:
-            return cells
-        return [[cell.replace(",", ".") for cell in record] for record in cells]
-
-    def _mixed_signs(self, cells: list[list[str]], first_row: int) -> TableFileError:
-        """Return the error of the first cell with another decimal sign than those before it."""
-        known = self._decimal
-        for row, record in enumerate(cells, first_row):
-            for place, cell in enumerate(record):
-                for sign in (sign for sign in cell if sign in _SIGNS):
-                    known = known or sign
-                    if sign != known:
-                        here, before = _SIGNS[sign], _SIGNS[known]
-                        column = self.header[place] if place < len(self.header) else ""
-                        problem = f"{shown(cell)} has a {here}, where decimals before it have a"
-                        return self._refused(f"{problem} {before}", row, column)
-        raise AssertionError("decimals have one sign")
+            raise self.refused(problem, first_row + row + 1, column.header)
 
     def _values(self, cells: list[list[str]], first_row: int) -> dict[str, NDArray[np.float64]]:
         places = [column.place for column in self.columns]
@@ -261,20 +310,17 @@ class TableReader:
         """Return the error of the first row that `_values` would not take."""
         for row, record in enumerate(cells, first_row):
             if _is_blank(record):
-                return self._refused("the row is empty, but others follow it", row)
+                return self.refused("the row is empty, but others follow it", row)
             present = [column for column in self.columns if column.place < len(record)]
             for name, cell in ((column.header, record[column.place]) for column in present):
                 if problem := _cell_problem(cell):
                     return TableFileError(self._source, problem, row=row, column=name, value=cell)
             if len(record) < len(self.header):
-                return self._refused(MISSING, row, self.header[len(record)])
+                return self.refused(MISSING, row, self.header[len(record)])
             if len(record) > len(self.header):
                 counts = f"{len(record)} values for {len(self.header)} columns"
-                return self._refused(f"there are {counts}", row)
+                return self.refused(f"there are {counts}", row)
         raise AssertionError("every cell is a finite number")
-
-    def _refused(self, problem: str, row: int | None = None, column: str = "") -> TableFileError:
-        return TableFileError(self._source, problem, row=row, column=column)
 
 
 def open_table(path: str | os.PathLike[str]) -> TextIO:
@@ -290,7 +336,7 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
     lines = io.TextIOWrapper(file, encoding="utf-8-sig", errors="surrogateescape", newline="")
-    if kind := _other_file(begin):
+    if kind := other_file(begin):
         lines.close()
         raise TableFileError(os.fspath(path), kind)
     return lines
@@ -310,12 +356,13 @@ def uploaded_table(name: str, content: bytes) -> TextIO:
     Raises:
         TableFileError: If it is no such text.
     """
-    if kind := _other_file(content):
+    if kind := other_file(content):
         raise TableFileError(name, kind)
     return io.StringIO(content.decode("utf-8-sig", errors="surrogateescape"), newline="")
 
 
-def _other_file(begin: bytes) -> str:
+def other_file(begin: bytes) -> str:
+    """Return what a file is that begins with some bytes, if it is no text; empty if it may be."""
     return next((kind for mark, kind in _OTHER_FILES.items() if begin.startswith(mark)), "")
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import simpson
 
 from paminsa_viz.actuation import ratios
-from paminsa_viz.actuation.catalog import CatalogError, generic_catalog
+from paminsa_viz.actuation.catalog import CatalogError
 from paminsa_viz.actuation.drive_table import DriveTable, drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, DutyMotion, load_signals
 from paminsa_viz.actuation.ratios import (
@@ -20,6 +20,7 @@ from paminsa_viz.actuation.ratios import (
     ratio_intervals,
 )
 from paminsa_viz.actuation.sizing import rms_torque, size_drives
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.model import APPENDIX_4, Drive
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.trajectory.integrals import running_integral

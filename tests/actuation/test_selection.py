@@ -10,7 +10,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.drive_table import combined, drive_table
 from paminsa_viz.actuation.duty import (
     ActuatorLoad,
@@ -24,6 +23,7 @@ from paminsa_viz.actuation.ratios import catalog_ratios, ratio_intervals
 from paminsa_viz.actuation.selection import Selection, cloud, figures, select_drives, size_design
 from paminsa_viz.actuation.sizing import LIMITS, _weights, fitting_time, size_drives, thermal_share
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.trajectory import PRESET

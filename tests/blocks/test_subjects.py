@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import paminsa_viz.blocks
-from paminsa_viz.actuation import Duty, duty_cycle, generic_catalog, select_drives
+from paminsa_viz.actuation import Duty, duty_cycle, select_drives
 from paminsa_viz.actuation.ratios import catalog_ratios
 from paminsa_viz.balancing import (
     SpringPlace,
@@ -65,6 +65,7 @@ from paminsa_viz.elastostatics.motion_loads import motion_loads
 from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.engines.verification import verify
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.published_table import PublishedTorques
 from paminsa_viz.identification import optimize_excitation

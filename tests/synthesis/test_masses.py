@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import size_design
 from paminsa_viz.balancing import (
@@ -22,6 +21,7 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.balancing.program import Program
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from paminsa_viz.actuation.catalog import Catalog, generic_catalog
+from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import ROTARY, DriveFigures, Selection
 from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.explorer.state.outcome import TaskState
 from paminsa_viz.explorer.state.settings import Settings, setting
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.model import Design
 
 MOST_MOTIONS = 12

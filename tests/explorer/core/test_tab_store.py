@@ -12,7 +12,6 @@ from typing import Any, cast
 
 import pytest
 
-from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.core import actions, links, tab_store
@@ -24,6 +23,7 @@ from paminsa_viz.explorer.state.settings import Settings
 from paminsa_viz.explorer.state.springs import SpringsFrom
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Dock, Docks
+from paminsa_viz.files.drive_catalog import generic_catalog
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESET, ControlMode
 

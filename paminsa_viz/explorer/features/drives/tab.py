@@ -9,7 +9,6 @@ from typing import Any
 
 from viser import Icon
 
-from paminsa_viz.actuation.catalog import read_catalog
 from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.blocks.drives import FIGURES_HEAD, facts_table, figures_table, own_table
@@ -38,6 +37,7 @@ from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.drives import MOST_MOTIONS, DriveJob, DriveLists, DriveSettings
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.files.drive_catalog import read_catalog
 from paminsa_viz.model import NO_DRIVES, InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.units import counted

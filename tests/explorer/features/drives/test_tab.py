@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.actuation.catalog import read_catalog
 from paminsa_viz.blocks.drives import RPM, selection_blocks
 from paminsa_viz.explorer.core import actions, persistence
 from paminsa_viz.explorer.core import motion as motions
@@ -20,6 +19,7 @@ from paminsa_viz.explorer.features.drives import tab as panel
 from paminsa_viz.explorer.features.drives.solving import LISTED
 from paminsa_viz.explorer.state.motion import Kind, Timing
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.files.drive_catalog import read_catalog
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.progress import Canceled
 from paminsa_viz.trajectory import analyze

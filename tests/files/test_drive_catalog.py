@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from paminsa_viz.actuation import catalog
-from paminsa_viz.actuation.catalog import (
-    LARGEST_CATALOG,
-    LONGEST_NAME,
-    MOST_ROWS,
-    CatalogError,
-    generic_catalog,
-    load_catalog,
-    read_catalog,
-)
+from paminsa_viz.actuation.catalog import CatalogError
 from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.payload import payload_change, payload_time_scaling
 from paminsa_viz.actuation.ratios import SCANNED, WIDEST, ratio_intervals
 from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.actuation.sizing import size_drives
 from paminsa_viz.actuation.wrench_capability import DEFAULT_LIMITS
+from paminsa_viz.files import drive_catalog
+from paminsa_viz.files.drive_catalog import (
+    LARGEST_CATALOG,
+    LONGEST_NAME,
+    MOST_ROWS,
+    generic_catalog,
+    load_catalog,
+    read_catalog,
+)
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESETS
 from paminsa_viz.units import COLUMN_UNITS
@@ -38,8 +40,8 @@ MOTOR = "motor,one,own measurement,30,320,0.95,3000,600,0 0.95; 3000 0.95; 6000 
 def test_a_catalog_and_a_name_may_be_as_long_as_documented(monkeypatch: pytest.MonkeyPatch) -> None:
     name = LONGEST_NAME * "o"
     text = f"{HEAD}\n{MOTOR.replace('one', name)}"
-    monkeypatch.setattr(catalog, "MOST_ROWS", 2)
-    monkeypatch.setattr(catalog, "LARGEST_CATALOG", len(text))
+    monkeypatch.setattr(drive_catalog, "MOST_ROWS", 2)
+    monkeypatch.setattr(drive_catalog, "LARGEST_CATALOG", len(text))
     (motor,) = read_catalog(text, "my.csv").motors
     assert motor.name == name
     for longer, told in (
@@ -64,6 +66,26 @@ def test_numbers_are_read_in_the_units_of_their_columns() -> None:
     assert found.pairs(0).drive(0).reflected_inertia == pytest.approx(2500 * 3e-6)
 
 
+def test_catalogs_are_separated_as_other_tables_are() -> None:
+    """By semicolons and tabs as well, then with a decimal comma, but for commas of names."""
+    text = "\n".join(["# 1,5; no", "", HEAD, MOTOR, "# x", "gear,two,a b,,,,,,,50,0.8,"])
+    expected = read_catalog(text, "my.csv")
+    for separator in ";\t":
+        rows = list(csv.reader(io.StringIO(text)))
+        for decimal in ",.":
+            out = io.StringIO()
+            cells = [[c.replace(".", decimal) if c[:1].isdigit() else c for c in r] for r in rows]
+            csv.writer(out, delimiter=separator).writerows(cells)
+            assert read_catalog(out.getvalue(), "my.csv") == expected
+    head = HEAD.replace(",", ";")
+    row = "motor;a, b. c;x;1,5;320;0.95;3000;600;;;;"
+    with pytest.raises(CatalogError, match=r"row 2, column peak_torque_Nm: '0.95' has a point"):
+        read_catalog(f"{head}\n{row}", "my.csv")
+    (motor,) = read_catalog(f"{head}\n{row.replace('0.95', '0,95')}", "my.csv").motors
+    assert (motor.name, motor.peak_torque) == ("a, b. c", 0.95)
+    assert motor.rotor_inertia == pytest.approx(1.5e-7)
+
+
 @pytest.mark.parametrize("speed", COLUMN_UNITS["rad/s"])
 @pytest.mark.parametrize("torque", COLUMN_UNITS["N m"])
 def test_envelopes_are_read_in_every_pair_of_units(speed: str, torque: str) -> None:
@@ -81,7 +103,7 @@ def test_a_file_is_read_to_its_end_or_refused(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     path, text = tmp_path / "my.csv", f"{HEAD}\n{MOTOR}"
-    monkeypatch.setattr(catalog, "LARGEST_CATALOG", len(text))
+    monkeypatch.setattr(drive_catalog, "LARGEST_CATALOG", len(text))
     path.write_text(text)
     assert load_catalog(path) == read_catalog(text, "my.csv")
     path.write_text(f"{text}\n")
@@ -106,7 +128,7 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
     ("text", "row", "column", "told"),
     [
         ("", None, "", "first line names the columns"),
-        ("kind;name;source\n", 1, "kind;name;source", "columns are separated by commas"),
+        ("kind|name|source\n", 1, "kind|name|source", "did you mean source"),
         ("zzzz,name,source\n", 1, "zzzz", "there are name, source, kind, rotor_inertia,"),
         (
             HEAD.replace("rated_torque_mNm", "rated_torque"),
@@ -136,7 +158,7 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         (f"{HEAD}\nscrew,two,x,,,,,,,,,", 2, "lead", "lead_mm"),
         ("x" * (LARGEST_CATALOG + 1), None, "", "is larger than 5 MB"),
         ("\n".join([HEAD, *[MOTOR] * MOST_ROWS]), None, "", f"has more than {MOST_ROWS:,} rows"),
-        (f'{HEAD}\nmotor,"one', None, "", "is no CSV: "),
+        (f'{HEAD}\n\nmotor,"one', 3, "", "is not valid CSV: "),
         (HEAD.replace("envelope_rpm_Nm", "envelop_rpm_Nm"), 1, "envelop_rpm_Nm", "envelope_rpm_Nm"),
         (f"{HEAD}\n{MOTOR.replace('one', BELL)}", 2, "name", "one line of printable text"),
         (f"{HEAD}\n{MOTOR.replace('one', 201 * 'o')}", 2, "name", "at most 200 characters"),
