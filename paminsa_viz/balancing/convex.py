@@ -57,6 +57,10 @@ class ConvexTerm(ABC):
     def value(self, state: Array) -> float:
         """Return the function at a state (d,)."""
 
+    def most(self, state: Array) -> float:
+        """Return what the function is of at states up to one (d,), if no shares cancel."""
+        return replace(self, matrix=abs(self.matrix), offset=abs(self.offset)).value(abs(state))
+
     def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
         """Return cuts that exceed ``known`` (parts,) by more than ``slack`` at a state.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from paminsa_viz.balancing.changes import Changes, MassSpace, mass_space
 from paminsa_viz.balancing.enclosure import FEASIBLE
-from paminsa_viz.balancing.program import Infeasible, Program, Solution
+from paminsa_viz.balancing.program import Certified, Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import Term, deviations
 from paminsa_viz.checks import require_positive
@@ -72,7 +72,7 @@ class ActiveConstraint:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Certified):
     """The best distribution.
 
     Attributes:
@@ -94,11 +94,6 @@ class Optimum:
     active: tuple[ActiveConstraint, ...]
     rounds: int
     seconds: float
-
-    @property
-    def gap(self) -> float:
-        """By how much a better distribution could be better at most: the certificate."""
-        return max(0.0, self.objective - self.lower_bound)
 
 
 @dataclass(frozen=True)
@@ -269,14 +264,20 @@ def infeasible(space: MassSpace, program: Program, limits: Sequence[Term]) -> In
     short = []
     for number, (term, (limit, function)) in enumerate(zip(limits, program.limits, strict=True)):
         others = tuple(item for i, item in enumerate(program.limits) if i != number)
-        alone = replace(program, goals=((1.0, function),), limits=())
+        now = abs(function.value(space.before))
+        alone = replace(program, goals=((1.0, function),), limits=(), scale=now)
         try:
             least = solve(replace(alone, limits=others)).value
         except Infeasible:
             least = solve(alone).value
         short.append(Shortfall(term.label, term.unit, limit, least))
     # one that can be met is no reason beside others that cannot
-    missed = [i for i in short if i.attainable - i.limit > FEASIBLE * max(1.0, abs(i.limit))]
+    units = [program.unit((1.0, function)) for _, function in program.limits]
+    missed = [
+        item
+        for item, unit in zip(short, units, strict=True)
+        if item.attainable - item.limit > FEASIBLE * max(unit, abs(item.limit))
+    ]
     return InfeasibleBounds(tuple(missed or short), movable_bounds(space, program))
 
 

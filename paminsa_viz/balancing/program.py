@@ -122,6 +122,19 @@ class Program:
             total += min(variable.low * unit, variable.high * unit)
         return total
 
+    def unit(self, *terms: tuple[float, ConvexTerm]) -> float:
+        """Return the unit of a weighted sum of terms, for tolerances that are absolute.
+
+        It is 1, or less where the shares of all masses that may be there come to less: those of a
+        small robot do. What is left where they cancel, as in a balanced robot, does not count.
+        """
+        most = abs(self.start)
+        for variable in self.variables:
+            shares = [abs(variable.column(lever)) for lever in variable.span]
+            most = most + variable.high * np.maximum(*shares)
+        size = sum(abs(weight) * term.most(most) for weight, term in terms)
+        return size if 0.0 < size < 1.0 else 1.0
+
     def value(self, state: Array) -> float:
         """Return the weighted sum of the goals at a state."""
         return float(sum(weight * term.value(state) for weight, term in self.goals))
@@ -157,6 +170,23 @@ class Solution:
     def gap(self) -> float:
         """By how much a better choice could be better at most."""
         return max(0.0, self.value - self.bound)
+
+
+class Certified:
+    """What has an objective, and a bound that no better choice is below.
+
+    Attributes:
+        objective: The value of what is minimized.
+        lower_bound: No choice has a smaller one: the value of the dual program.
+    """
+
+    objective: float
+    lower_bound: float
+
+    @property
+    def gap(self) -> float:
+        """By how much a better choice could be better at most: the certificate."""
+        return max(0.0, self.objective - self.lower_bound)
 
 
 class Infeasible(Exception):

@@ -25,9 +25,6 @@ ACCEPTED = 1e-8
 REACHED = 1e-6
 """The same for a limit that counts as reached; the others have no price."""
 
-SMALLEST_UNIT = 1e-6
-"""Smallest unit of a goal: one that is less may be that of a robot balanced but for rounding."""
-
 
 class _Candidate(NamedTuple):
     """A choice of levers, what it comes to, and by how much it breaks the limits themselves."""
@@ -54,17 +51,23 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
         Infeasible: If no choice meets the limits.
         SolverFailed: If a solver fails.
     """
-    # the solvers' tolerances are absolute: small goals, of a small robot, in parts of what they are
-    unit = program.scale if SMALLEST_UNIT <= program.scale < 1.0 else 1.0
+    # the solvers' tolerances are absolute: goals and limits of a small robot in parts of their size
+    unit = program.unit(*program.goals)
+    units = np.array([program.unit((1.0, term)) for _, term in program.limits])
     goals = tuple((weight, term.over(unit)) for weight, term in program.goals)
-    found = _solve(replace(program, goals=goals, scale=program.scale / unit), tolerance)
+    limits = tuple(
+        (limit / one, term.over(one))
+        for (limit, term), one in zip(program.limits, units.tolist(), strict=True)
+    )
+    scaled = replace(program, goals=goals, limits=limits, scale=program.scale / unit)
+    found = _solve(scaled, tolerance)
     return replace(
         found,
         value=unit * found.value,
         bound=unit * found.bound,
         prices=unit * found.prices,
         slopes=unit * found.slopes,
-        limit_prices=unit * found.limit_prices,
+        limit_prices=unit / units * found.limit_prices,
     )
 
 

@@ -32,6 +32,7 @@ from paminsa_viz.balancing import (
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model import (
     APPENDIX_4,
+    Grid,
     InvalidDesign,
     InvalidInput,
     Misprint,
@@ -39,8 +40,38 @@ from paminsa_viz.model import (
     static_imbalance,
 )
 from paminsa_viz.trajectory import solve_trajectory
-from tests.balancing.robots import changes, field, measured, solved, trajectory, workspace
-from tests.support.samples import prototype_times
+from tests.balancing.robots import PATHS, changes, field, measured, solved, trajectory, workspace
+from tests.support.samples import enlarged, prototype_times
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("times", [0.01, 10.0])
+def test_limits_of_small_and_large_robots_are_kept_as_closely(times: float) -> None:
+    """Of a hundredth of the lengths the torques are 10^-8 of the prototype's."""
+    design = enlarged(APPENDIX_4, times)
+    x = times * np.linspace(-0.1, 0.1, 5)
+    poses = Grid.over((0.0, 0.0, 0.0, -0.5 * times), x=x, theta=np.linspace(-0.5, 0.5, 3))
+    peak, added = StaticPeak(solve_field(design.geometry, poses)), AddedMass()
+    what = Changes(tuple(MassRange(p, 0.7 * design.value(p), 1.2 * design.value(p)) for p in PATHS))
+    least = optimize(design, what, peak).objective
+    kept = optimize(design, what, added, limits=[(peak, 1.01 * least)])
+    assert kept.values[1].after == pytest.approx(1.01 * least, rel=1e-6)
+    wider = optimize(design, what, added, limits=[(peak, 1.0101 * least)])
+    (price,) = [item.price for item in kept.active if item.side == "limit"]
+    assert kept.objective - wider.objective == pytest.approx(1e-4 * least * price, rel=1e-3)
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(design, what, added, limits=[(peak, 0.999 * least), (added, 1e3 * times**3)])
+    (short,) = caught.value.limits
+    assert (short.label, short.attainable) == (peak.label, pytest.approx(least, rel=1e-7))
+
+
+@pytest.mark.slow
+def test_what_is_attainable_is_as_exact_for_any_goal() -> None:
+    what, peak = changes(), TrajectoryPeak(solved())
+    least = optimize(APPENDIX_4, what, peak).objective
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(APPENDIX_4, what, [(1e9, StaticPeak(field()))], limits=[(peak, 0.5 * least)])
+    assert caught.value.limits[0].attainable == pytest.approx(least, rel=1e-8)
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from paminsa_viz.balancing import ActiveConstraint, Spring, spring_torques
 from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.balancing.optimum import Relaxation as MassRelaxation
 from paminsa_viz.balancing.optimum import active_bounds, movable_bounds
-from paminsa_viz.balancing.program import Infeasible, Program, Solution
+from paminsa_viz.balancing.program import Certified, Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -37,7 +37,7 @@ from paminsa_viz.synthesis.volume.conflict import irreducible_set
 
 
 @dataclass(frozen=True, eq=False)
-class InnerSolution:
+class InnerSolution(Certified):
     """The best masses and springs of a robot of given lengths.
 
     Attributes:
@@ -62,11 +62,6 @@ class InnerSolution:
     seconds: float
     program: InnerProgram = field(repr=False)
     solution: Solution = field(repr=False)
-
-    @property
-    def gap(self) -> float:
-        """By how much others could be better at most: the certificate."""
-        return max(0.0, self.objective - self.lower_bound)
 
     def value(self, key: str) -> float:
         """Return the value of a goal, which need not be the one that was minimized [SI].
