@@ -20,6 +20,8 @@ masses on the links.
 from __future__ import annotations
 
 import math
+import re
+import unicodedata
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -130,6 +132,16 @@ ORIGIN: Point = (0, 0, 0)
 
 POSE_JOINTS = ("platform_x", "platform_y", "platform_theta", "platform_z")
 """The platform's joints whose values are the pose; two more let it tilt, if the loops would."""
+
+
+def identifier(name: str) -> str:
+    """Return a design's name as letters, digits and underscores, for formats that take no others.
+
+    Accents are left out. It begins with a letter, and is that of the mechanism if nothing is left.
+    """
+    letters = (c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+    plain = re.sub(r"[^0-9A-Za-z]+", "_", "".join(letters)).strip("_")
+    return plain if plain[:1].isalpha() else f"PAMINSA_{plain}".strip("_")
 
 
 def leg_name(leg: int, name: str) -> str:

@@ -38,6 +38,7 @@ from paminsa_viz.engines.mechanism import (
     link_color,
 )
 from paminsa_viz.engines.poses import link_frame, start_pose, start_values
+from paminsa_viz.errors import printable
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.load import LoadFrame
@@ -107,7 +108,7 @@ def mjcf_text(
     start = start_pose(design, pose)
     mechanism = build_mechanism(design)
     values = start_values(design, start)
-    root = ET.Element("mujoco", model="PAMINSA")
+    root = ET.Element("mujoco", model=printable(design.name))
     if note := equal_legs_note(design.deviations):
         root.append(ET.Comment(f" {note} "))
     _add(root, "compiler", angle="radian", autolimits="true")

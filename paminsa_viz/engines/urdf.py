@@ -32,6 +32,7 @@ from paminsa_viz.engines.mechanism import (
     Point,
     as_cylinder,
     build_mechanism,
+    identifier,
     leg_name,
     link_color,
 )
@@ -72,7 +73,7 @@ def urdf_text(design: Design) -> str:
     bodies = rigid_bodies(mechanism)
     mimics, limits = _mimics(), _limits(design, mechanism)
     reach = 2 * (workspace_radius(design.geometry) + workspace_height(design.geometry))
-    robot = ET.Element("robot", name="PAMINSA")
+    robot = ET.Element("robot", name=identifier(design.name))
     about = f"written by {MADE_BY}; loops are in a table of their own"
     robot.append(ET.Comment(f" {noting_equal_legs(about, design.deviations)} "))
     _add(robot, "link", name=BASE)

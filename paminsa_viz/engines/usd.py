@@ -29,17 +29,18 @@ from paminsa_viz.engines.mechanism import (
     Point,
     as_cylinder,
     build_mechanism,
+    identifier,
     link_color,
 )
 from paminsa_viz.engines.mjcf import Servos
 from paminsa_viz.engines.poses import start_pose, start_values, world_frames
 from paminsa_viz.engines.rigid_bodies import rigid_bodies
+from paminsa_viz.errors import printable
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.version import MADE_BY
 
-ROOT = "PAMINSA"
 BASE = "base"
 
 BASE_PART = Part(BASE, 1.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
@@ -74,25 +75,27 @@ def usd_text(
     mechanism = build_mechanism(design)
     values = start_values(design, start)
     bodies, frames = rigid_bodies(mechanism), world_frames(mechanism, values)
+    root = identifier(design.name)
     inside = [_scene(mechanism), _body(BASE_PART, (np.zeros(3), Rotation.identity()), [])]
     inside += [_body(bodies[link.name], frames[link.name], _rods(link)) for link in mechanism.links]
     drives = _drives(mechanism, values, servos)
-    joints = [_root_joint()]
+    joints = [_root_joint(root)]
     joints += [
-        _tree_joint(link, drives.get(link.joints[0].name, []))
+        _tree_joint(root, link, drives.get(link.joints[0].name, []))
         for link in mechanism.links
         if link.name != PLATFORM
     ]
     carrier = next(pin for pin in mechanism.pins if pin.second == PLATFORM)
-    joints += [_ball_joint(pin, closes=pin is not carrier) for pin in mechanism.pins]
+    joints += [_ball_joint(root, pin, closes=pin is not carrier) for pin in mechanism.pins]
     inside.append(_prim("Scope", "joints", [], joints))
     about = noting_equal_legs(f"PAMINSA, written by {MADE_BY}", design.deviations)
     head = (
         "#usda 1.0\n(\n"
-        f'    defaultPrim = "{ROOT}"\n    doc = {_quoted(about)}\n'
+        f'    defaultPrim = "{root}"\n    doc = {_quoted(about)}\n'
         '    kilogramsPerUnit = 1\n    metersPerUnit = 1\n    upAxis = "Z"\n)\n\n'
     )
-    return head + _prim("Xform", ROOT, ['kind = "component"'], inside) + "\n"
+    name = f"displayName = {_quoted(printable(design.name))}"
+    return head + _prim("Xform", root, [name, 'kind = "component"'], inside) + "\n"
 
 
 def _prim(kind: str, name: str, meta: Sequence[str], lines: Iterable[str]) -> str:
@@ -110,7 +113,8 @@ def _schemas(*names: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    return f'"{text}"'
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
 
 
 def _number(value: float) -> str:
@@ -175,13 +179,13 @@ def _rods(link: Link) -> list[str]:
 
 
 def _between(
-    first: str, second: str, place: Iterable[float], other: Iterable[float],
+    root: str, first: str, second: str, place: Iterable[float], other: Iterable[float],
     turn: Rotation, other_turn: Rotation,
 ) -> list[str]:  # fmt: skip
     """Return which bodies a joint joins, and its frame in either."""
     return [
-        *([f"rel physics:body0 = </{ROOT}/{first}>"] if first else []),
-        f"rel physics:body1 = </{ROOT}/{second}>",
+        *([f"rel physics:body0 = </{root}/{first}>"] if first else []),
+        f"rel physics:body1 = </{root}/{second}>",
         f"point3f physics:localPos0 = {_vector(place)}",
         f"quatf physics:localRot0 = {_quaternion(turn)}",
         f"point3f physics:localPos1 = {_vector(other)}",
@@ -189,21 +193,21 @@ def _between(
     ]
 
 
-def _root_joint() -> str:
+def _root_joint(root: str) -> str:
     none = Rotation.identity()
-    lines = _between("", BASE, (0, 0, 0), (0, 0, 0), none, none)
+    lines = _between(root, "", BASE, (0, 0, 0), (0, 0, 0), none, none)
     meta = [_schemas("PhysicsArticulationRootAPI")]
     return _prim("PhysicsFixedJoint", "fixed", meta, lines)
 
 
-def _tree_joint(link: Link, drive: list[str]) -> str:
+def _tree_joint(root: str, link: Link, drive: list[str]) -> str:
     (joint,) = link.joints
     axis, flipped = _AXES[joint.axis]
     frame = _FLIPPED if flipped else Rotation.identity()
     turn = Rotation.from_euler("z", link.heading) * frame
     lines = [
         f'uniform token physics:axis = "{axis}"',
-        *_between(link.parent or BASE, link.name, link.place, (0, 0, 0), turn, frame),
+        *_between(root, link.parent or BASE, link.name, link.place, (0, 0, 0), turn, frame),
         *drive,
     ]
     way = "angular" if joint.kind == "hinge" else "linear"
@@ -212,9 +216,9 @@ def _tree_joint(link: Link, drive: list[str]) -> str:
     return _prim(kind, joint.name, meta, lines)
 
 
-def _ball_joint(pin: Pin, closes: bool) -> str:
+def _ball_joint(root: str, pin: Pin, closes: bool) -> str:
     none = Rotation.identity()
-    lines = _between(pin.first, pin.second, pin.first_point, pin.second_point, none, none)
+    lines = _between(root, pin.first, pin.second, pin.first_point, pin.second_point, none, none)
     lines += ["bool physics:excludeFromArticulation = 1"] * closes
     return _prim("PhysicsSphericalJoint", pin.name, [], lines)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from typing import Any
 
@@ -9,8 +11,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from paminsa_viz.engines.mechanism import Link, build_mechanism
+from paminsa_viz.engines.mechanism import Link, build_mechanism, identifier
+from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.poses import joint_values, start_pose, unclosed
+from paminsa_viz.engines.urdf import urdf_text
+from paminsa_viz.engines.usd import usd_text
 from paminsa_viz.errors import InvalidDesign, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -180,3 +185,23 @@ def test_counterweights_have_the_numbers_of_the_design_and_stand_in_their_bars()
         for leg in (1, 2, 3)
         for number, weight in enumerate(weights, 1)
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "plain"),
+    [
+        ("Appendix 4", "Appendix_4"), ("Größe 2/B", "Gro_e_2_B"), ("4 legs", "PAMINSA_4_legs"),
+        ("", "PAMINSA"), ("機械", "PAMINSA"), ('a"<&>\\b', "a_b"),
+    ],
+)  # fmt: skip
+def test_models_carry_the_name_of_the_design(name: str, plain: str) -> None:
+    """As an identifier where the format takes no other names, and whole where it does."""
+    design = replace(APPENDIX_4, name=name)
+    assert ET.fromstring(urdf_text(design)).attrib["name"] == identifier(name) == plain
+    assert ET.fromstring(mjcf_text(design)).attrib["model"] == name
+    usd = usd_text(design)
+    assert f'defaultPrim = "{plain}"' in usd
+    assert f'def Xform "{plain}" (' in usd
+    assert f"rel physics:body1 = </{plain}/base>" in usd
+    (shown,) = re.findall(r'displayName = "(.*)"\n', usd)
+    assert shown.replace('\\"', '"').replace("\\\\", "\\") == name
