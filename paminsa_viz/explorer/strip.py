@@ -72,6 +72,7 @@ def restartable(state: State) -> dict[str, Effect]:
         return {}
     # Late: it loads SciPy.
     from paminsa_viz.explorer.features.balance import actions as balancing
+    from paminsa_viz.explorer.features.drives.tab import SEARCH as DRIVES
     from paminsa_viz.explorer.features.identification.actions import SEARCH as EXCITATION
     from paminsa_viz.explorer.features.requirements.actions import LARGEST
     from paminsa_viz.explorer.features.synthesis.actions import SEARCH
@@ -80,6 +81,7 @@ def restartable(state: State) -> dict[str, Effect]:
     tasks: dict[str, tuple[str, Action]] = {
         SEARCH.place.path: ("Search for a robot", search),
         LARGEST.place.path: ("Largest workspace", LARGEST.start),
+        DRIVES.place.path: ("Find drives", DRIVES.start),
         EXCITATION.place.path: ("Motion for a log", EXCITATION.start),
     }
     for kind, label in BALANCE_TASKS.items():

@@ -6,6 +6,7 @@ from typing import Any
 
 from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.drives import tab as drives
 from paminsa_viz.explorer.features.identification import actions as identification
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.outcome import Outcome
@@ -41,6 +42,17 @@ def test_the_search_for_a_motion_to_record_is_offered_again() -> None:
     running = identification.SEARCH.start(initial_state())
     again = started_again(reloaded(running), "Motion for a log")
     assert identification.SEARCH.runs(again)
+
+
+def test_a_search_for_drives_is_offered_again_unless_a_reload_loses_what_it_was_for() -> None:
+    """Motions of a cycle and a catalog are not kept: without them it would be another search."""
+    running = drives.SEARCH.start(initial_state())
+    assert drives.SEARCH.runs(started_again(reloaded(running), "Find drives"))
+    outcome = Outcome[Any, Any](running.drives.running, result=object())
+    found = drives.SEARCH.deliver(running, running.drives.ticket, outcome)
+    assert drives.SEARCH.runs(started_again(reloaded(found), "Find drives"))
+    cycle = drives.SEARCH.start(drives.add_motion(initial_state()))
+    assert restartable(reloaded(cycle)) == {}
 
 
 def test_a_task_that_is_started_is_offered_no_more_and_the_others_still_are() -> None:

@@ -103,6 +103,14 @@ class DrivesState(TaskState[DriveJob, DriveLists]):
     row: int = 0
 
     @property
+    def unkept(self) -> tuple[str, ...]:
+        """As of any task, but for a search that a reload loses the motions or the catalog of."""
+        outcome = self.outcome
+        job = self.running or (None if outcome is None else outcome.job)
+        again = job is not None and job.settings == job.settings.saved
+        return super().unkept if again else ()
+
+    @property
     def listed(self) -> tuple[DriveFigures, ...]:
         """Drives in the list."""
         return () if self.result is None else self.result.rows[self.actuator]
