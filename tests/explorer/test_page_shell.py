@@ -467,6 +467,33 @@ def test_palette_finds_sections_and_quantities_by_other_words(tab: Tab) -> None:
     assert tab.state.map_view.quantity == "stiffness_z"
 
 
+TYPED_AT_ONCE = """keys => {
+  const press = (key, more) => document.activeElement.dispatchEvent(
+    new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more }));
+  document.activeElement.blur();
+  press("k", { code: "KeyK", ctrlKey: true });
+  for (const key of keys) press(key, { code: `Key${key.toUpperCase()}` });
+}"""
+"""Opens the palette and presses keys before the browser has got to its box."""
+
+
+def test_keys_typed_before_the_palette_has_its_box_go_into_it(tab: Tab) -> None:
+    """Elsewhere they are keys of commands: h is the home pose."""
+    tab.type_number("x  [mm]", 33.5)
+    until(lambda: tab.state.document.pose[0] == 0.0335, "the number is taken")
+    box = tab.page.get_by_placeholder("Search commands", exact=False)
+    tab.page.evaluate(TYPED_AT_ONCE, [*"homx", "Backspace", "e"])
+    until(lambda: box.count() and box.input_value() == "home", "the keys are in the box")
+    assert box.evaluate("box => box === document.activeElement")
+    tab.page.keyboard.type(" pose")
+    until(lambda: box.input_value() == "home pose", "what follows is behind them")
+    assert tab.state.document.pose[0] == 0.0335
+    box.press("Escape")
+    box.wait_for(state="detached")
+    tab.page.evaluate(TYPED_AT_ONCE, [*"m7 3.063 kg", "Enter"])
+    until(lambda: tab.state.document.design.joints.j7 == 3.063, "m7 is set")
+
+
 def test_number_that_is_clicked_is_pinned_and_the_cross_takes_it_off(tab: Tab) -> None:
     tab.open_tab("Pose")
     tab.page.get_by_test_id("quality").locator("[data-paminsa-value='condition']").click()

@@ -3,12 +3,17 @@
  *
  * The server says what a text means as a whole. Its line comes later than the others and has to be
  * selected as the first one then; an Enter before that waits for it.
+ *
+ * The box comes a moment after the key that opens the palette, later on a busy machine. What is
+ * typed till then goes into it: elsewhere letters are keys of commands.
  */
 window.paminsaPalette = (config) => {
   "use strict";
   const { retry, send, search, signal } = config;
   const commandLines = () => [...document.querySelectorAll(".mantine-Spotlight-action")];
   const typed = { asked: "", answered: "", enter: false };
+  const OPENING_TIME = 10000; // how long keys wait for the box [ms]
+  let early = null; // what was typed before there is a box: {text, enter}
   /** Take what the server says of a text: the label of its line, if it has one. */
   const answer = (text, label) => {
     let left = 50;
@@ -31,7 +36,7 @@ window.paminsaPalette = (config) => {
     if (event.type === "input") {
       typed.asked = event.target.value.slice(0, 200);
       typed.enter = false;
-      if (!send("typed", typed.asked)) typed.answered = typed.asked;
+      typed.answered = send("typed", typed.asked) ? null : typed.asked;
     } else if (event.key === "Enter" && typed.asked !== typed.answered) {
       typed.enter = true;
       event.preventDefault();
@@ -40,5 +45,43 @@ window.paminsaPalette = (config) => {
   };
   for (const kind of ["input", "keydown"])
     document.addEventListener(kind, onSearch, { capture: true, signal });
+
+  /** Put what was typed early into the box, once it is there. */
+  const fill = ({ text, enter }) => {
+    const box = document.querySelector(`input${search}`);
+    if (!box) return false;
+    early = null;
+    box.focus();
+    if (!text) return true;
+    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(box, text);
+    box.dispatchEvent(new Event("input", { bubbles: true }));
+    typed.enter = enter && typed.asked !== typed.answered;
+    return true;
+  };
+  // Mantine has taken the key at the root: the palette opens, or closes again before it is there.
+  document.addEventListener("keydown", (event) => {
+    const { key, ctrlKey, metaKey, shiftKey, defaultPrevented } = event;
+    const opens = (ctrlKey || metaKey) && (shiftKey ? /^p$/i : /^k$/i).test(key);
+    if (!opens || !defaultPrevented) return;
+    const until = performance.now() + OPENING_TIME;
+    const mine = early ? null : { text: "", enter: false };
+    early = mine;
+    retry(() => {
+      if (performance.now() > until && early === mine) early = null;
+      return !early || early !== mine || fill(early);
+    }, 20);
+  }, { signal });
+  window.addEventListener("keydown", (event) => {
+    const { key, ctrlKey, metaKey, altKey, isComposing } = event;
+    if (!early || isComposing || ctrlKey || metaKey || altKey) return;
+    if (key === "Escape") early = null;
+    else if (key === "Enter") early.enter = true;
+    else if (key === "Backspace") early.text = early.text.slice(0, -1);
+    else if (key.length === 1) Object.assign(early, { text: early.text + key, enter: false });
+    else return;
+    if (!early) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+  }, { capture: true, signal });
   return { answer };
 };
