@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from paminsa_viz.checks import require_positive
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.base_parameters import (
     BASE_PARAMETERS,
     LEG_PARAMETERS,
@@ -25,6 +26,9 @@ from paminsa_viz.model.statics import load_torques
 LARGE_SHARE = 0.1
 """Half width above which a base parameter is unknown, over its size of `base_scale` (which is not
 zero by cancellation, as a balanced robot's M_p2 is)."""
+
+OF_NONE = 0.03
+"""Size of a base parameter that the design has none of, as a share of what b_1 carries."""
 
 LARGE_TORQUE = 0.1
 """Half width above which friction or an offset is unknown, as torque over the standard deviation
@@ -150,13 +154,23 @@ class _Builder:
 
 
 def fit_model(design: Design, signals: Signals, settings: IdentificationSettings) -> FitModel:
-    """Return the columns for a log's signals and what they stand for."""
+    """Return the columns for a log's signals and what they stand for.
+
+    Raises:
+        InvalidInput: If the design has next to no masses, which the log's are compared with.
+    """
     geometry = design.geometry
     samples = signals.samples
     motion = samples.pose, samples.velocity, samples.acceleration
     x = signals.smooth(base_regressor(geometry, *motion))
     value, scale = base_parameters(design), base_scale(design)
     x = np.where(np.abs(x * scale).max(axis=0) > NOTHING * np.abs(signals.torque).max(), x, 0.0)
+    if not x.any():
+        raise InvalidInput(
+            "design",
+            "its masses are next to nothing beside the log's torques: "
+            "set those that the robot was meant to have",
+        )
     base = tuple(
         FitParameter(*item, "base", float(value[i]), float(LARGE_SHARE * scale[i]), _MOTION[i])
         for i, item in enumerate(BASE_PARAMETERS)
@@ -202,7 +216,8 @@ def base_scale(design: Design) -> Array:
 
     It depends on the masses through the base parameters alone, so that designs which no motion
     tells apart have the same. M_p2 has that of the identity's other side, products of inertia have
-    that of the masses they couple, and b_11 at most that of the platform on its joints.
+    that of the masses they couple, and b_11 at most that of the platform on its joints. Where the
+    design has none, as of legs without inertias, the size follows from b_1, which is never zero.
     """
     geometry, b = design.geometry, np.abs(base_parameters(design))
     k = geometry.magnification
@@ -210,7 +225,10 @@ def base_scale(design: Design) -> Array:
     scale[1] = 2 * design.gravity * max(b[2], (k - 1) / 2 * b[3], k / 2 * b[4])
     scale[3], scale[4] = np.sqrt(b[2] * b[5]), np.sqrt(b[2] * b[6])
     scale[10] = 6 * geometry.platform_radius**2 * b[5]
-    return scale
+    mass = b[0] / design.gravity
+    of_unit = {"N": b[0], "kg": mass, "kg m^2": mass * geometry.platform_radius**2}
+    usual = np.array([OF_NONE * of_unit[item.unit] for item in BASE_PARAMETERS])
+    return np.where(scale > 0, scale, usual)
 
 
 def _add_diagonal(

@@ -11,6 +11,7 @@ import pytest
 
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
+from paminsa_viz.files.example_logs import example_log
 from paminsa_viz.identification import (
     BASE_SYMBOLS,
     IdentificationSettings,
@@ -38,13 +39,15 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     Friction,
+    InvalidInput,
     KneeBranch,
     LoadCase,
     inverse_dynamics,
     inverse_kinematics,
 )
+from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.drive import Drive
-from paminsa_viz.model.lumped import mass_vector
+from paminsa_viz.model.lumped import MASS_PATHS, mass_vector
 from paminsa_viz.model.reach import home_pose
 from tests.support.identification_logs import moved_unseen, multi_sine, simulated
 from tests.support.samples import random_design
@@ -493,3 +496,23 @@ def test_torques_of_a_time_later_are_exact_for_parabolas_in_each_segment() -> No
 def test_impossible_settings_are_refused(words: str, call: Any) -> None:
     with pytest.raises(PaminsaError, match=words):
         call(simulated(1, RUBBING, rate=200.0))
+
+
+@pytest.mark.slow
+def test_log_says_what_it_does_where_the_design_has_none_of_a_number() -> None:
+    """Inertias are often left at 0, or all masses of the legs: their numbers are fitted as well."""
+    log, whole = example_log(), identify(APPENDIX_4, example_log(), QUICK)
+    legs = ("inertias.", "links.", "joints.")
+    for left_out in (legs[:1], legs):
+        paths = [path for path in PARAMETER if path.startswith(left_out)]
+        found = identify(APPENDIX_4.vary(dict.fromkeys(paths, 0.0)), log, QUICK)
+        assert found.problem == ""
+        for symbol in ("b_1", "M_p2", "b_6", "b_7", "b_9", "b_10"):
+            same = whole.estimate(symbol)
+            assert found.estimate(symbol).value == pytest.approx(same.value, abs=same.half_width)
+
+
+def test_design_without_masses_is_refused_by_its_name() -> None:
+    least = dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 1e-30}
+    with pytest.raises(InvalidInput, match="design: its masses are next to nothing"):
+        identify(APPENDIX_4.vary(least), example_log(), QUICK)
