@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
+from paminsa_viz.explorer.core.planning import planned
 from paminsa_viz.explorer.core.simulated import at_instant
 from paminsa_viz.explorer.state.document import Document, LastReachable
 from paminsa_viz.explorer.state.layers import with_layers
@@ -27,11 +28,17 @@ def with_document(state: State, document: Document) -> State:
     """Return the state with another document; the robot follows it if the pose can be taken.
 
     While the robot follows the motion, its pose is that of the instant that is shown, or where the
-    simulated robot is if that is shown; where the motion fails, it stays.
+    simulated robot is if that is shown; where the motion fails, it stays. Of another motion that is
+    over before that instant, its end is shown.
     """
-    was = state.document.design.geometry
+    was, motion = state.document.design.geometry, state.document.motion
     state = sized(replace(state, document=with_names_apart(document)), was)
-    document = state.document
+    document, time = state.document, state.playback.time
+    # A plan may take long: at the start of a motion, only who draws the state needs it.
+    if time > 0.0 and document.motion != motion:
+        trajectory = planned(document.motion, document.design).trajectory
+        end = 0.0 if trajectory is None else trajectory.duration
+        state = state.updated("playback", time=min(time, end))
     if state.playback.following:
         document = at_instant(document, state.simulation, state.playback.time)
     last_reachable = state.last_reachable

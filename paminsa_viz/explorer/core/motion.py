@@ -49,12 +49,7 @@ def change(state: State, **changes: Any) -> State:
     motion = replace(state.document.motion, **changes)
     require_possible(motion)
     changed = change_document(state, motion=motion)
-    if motion != state.document.motion:
-        changed = _with_path(changed)
-    # A plan may take long: at the start of a motion, only who draws the state needs it.
-    if changed.playback.time > 0.0 and changed.playback.time > (end := duration(changed)):
-        changed = show_time(changed, end)
-    return changed
+    return changed if motion == state.document.motion else _with_path(changed)
 
 
 def choose_preset(state: State, key: str) -> State:

@@ -129,6 +129,15 @@ def test_time_is_limited_to_a_shortened_motion() -> None:
     np.testing.assert_allclose(short.last_reachable.pose, trajectory(short).pose[-1], atol=1e-15)
 
 
+def test_time_is_limited_to_the_shorter_motion_that_undo_or_a_code_brings_back() -> None:
+    before = initial_state()
+    late = motions.scrub(motions.choose_preset(before, "circle"), 2.9)
+    assert late.playback.time > (end := trajectory(before).duration)
+    back = actions.restore(late, before.document)
+    assert back.playback.time == end
+    assert back.document == before.document
+
+
 def test_playback_runs_in_true_time_and_stops_at_the_end() -> None:
     state = motions.advance_time(motions.play(initial_state()), 0.25)
     assert state.playback.time == 0.25
