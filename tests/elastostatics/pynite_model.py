@@ -2,8 +2,9 @@
 
 PyNite's Y is up: (x, y, z) here is (x, z, -y) there. Bars are members that share nodes at the
 joints, and a joint releases the end of one of them; carriage and platform are members of a huge
-section. PyNite cuts a member wherever a node lies on it. Hanging, the shaft passes the root of B10,
-so that the two would be welded together; the root is moved aside by a nanometer.
+section, huge for the robot's bars and length, as one that is stiffer than it need be costs digits.
+PyNite cuts a member wherever a node lies on it. Hanging, the shaft passes the root of B10, so that
+the two would be welded together; the root is moved aside by a nanometer.
 """
 
 from __future__ import annotations
@@ -25,17 +26,22 @@ AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Rows: PyNite's X, Y, Z in base axes."""
 
 
-def robot_frame(design: Design, pose: Any, aside: float = ASIDE, *, rigid: float = 1.0) -> Any:
-    """Return the robot with rigid joints as a model; ``rigid`` is the area of the huge section."""
+def robot_frame(design: Design, pose: Any, aside: float = ASIDE, *, rigid: float = 1e4) -> Any:
+    """Return the robot with rigid joints as a model.
+
+    The huge section has ``rigid`` times the second moment of the stiffest bar.
+    """
     from Pynite import FEModel3D
 
     model = FEModel3D()
     elastic = design.elastic
     young, rigidity = elastic.young_modulus, elastic.shear_modulus
     model.add_material("alloy", young, rigidity, elastic.poisson, 0.0)
-    model.add_section("rigid", rigid, *[1e-2 * rigid] * 3)
-    for bar in ("b1", "b2", "b3", "b4", "b7", "b8", "b10"):
-        s = elastic.section(bar)
+    sections = {bar: elastic.section(bar) for bar in ("b1", "b2", "b3", "b4", "b7", "b8", "b10")}
+    second = rigid * max(max(s.inertia_in, s.inertia_out, s.torsion) for s in sections.values())
+    area = max(second / design.geometry.base_radius**2, *(s.area for s in sections.values()))
+    model.add_section("rigid", area, *[second] * 3)
+    for bar, s in sections.items():
         model.add_section(bar, s.area, s.inertia_out, s.inertia_in, s.torsion)
 
     def node(name: str, place: Any) -> None:
@@ -106,8 +112,8 @@ def compliance(design: Design, pose: Any, *, aside: float = ASIDE) -> Any:
 BARS = {"b8": (8, 9), "b7": (8, 7), "b4": (9, 4, 5), "b3": (7, 3, 4), "b2": (3, 2), "b1": (1, 2)}
 """Joints along each bar, but for B10."""
 
-RIGID = 0.1
-"""Area of the huge section [m^2]: a larger one costs the lowest frequencies their digits."""
+RIGID = 2e3
+"""Of the huge section: a larger one costs the lowest frequencies their digits."""
 
 
 def frequencies(design: Design, pose: Any, count: int = 6) -> Any:
