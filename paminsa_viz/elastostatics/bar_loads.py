@@ -57,6 +57,9 @@ from paminsa_viz.model.reach import Limit
 # beyond an end of its bar acts on the end by its force and moment. Between points N and V are
 # parabolas and M is a cubic, so that extremes are exact.
 
+ALIKE = 1e-12
+"""Sizes whose difference is a smaller share of them are the same but for rounding."""
+
 COMPONENTS = ("N", "V", "M")
 """Axial force [N], shear force [N], bending moment [N m]."""
 
@@ -124,6 +127,9 @@ class BarLoads:
 def largest_value(places: Array, coefficients: Array) -> tuple[Array, Array]:
     """Return the value of piecewise cubics that is largest in size, with its sign, and its place.
 
+    Of values alike but for rounding, such as the shear at both ends of a bar that only its own
+    weight bends, it is one at a start of a piece before one at an end, and of several the first.
+
     Args:
         places: (..., points) ends of the pieces.
         coefficients: (..., points - 1, 4) of the distance from a piece's start, constant first.
@@ -142,7 +148,8 @@ def largest_value(places: Array, coefficients: Array) -> tuple[Array, Array]:
     values = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
     values = values.reshape(math.prod(values.shape[:2]), *values.shape[2:])
     reached = (start[:-1] + x).reshape(values.shape)
-    best = np.abs(values).argmax(axis=0)[None]
+    sizes = np.abs(values)
+    best = (sizes >= (1.0 - ALIKE) * sizes.max(axis=0)).argmax(axis=0)[None]
     return (
         np.take_along_axis(values, best, axis=0)[0],
         np.take_along_axis(reached, best, axis=0)[0],

@@ -149,6 +149,16 @@ def test_largest_value_of_any_polynomials_is_that_of_dense_samples(degree: int) 
             assert place[row] == pytest.approx((start + x)[best], abs=2e-3)
 
 
+def test_rounding_chooses_none_of_two_shears_that_are_alike() -> None:
+    """A bar between two pins, bent by its weight alone, has V of one size at both ends."""
+    poses = samples.random_poses(np.random.default_rng(7), APPENDIX_4, 50)
+    for bar in ("b7", "b8"):
+        loads = bar_loads(joint_forces(APPENDIX_4, poses), bar)
+        shear, place = (found[..., 0] for found in loads.largest((1,)))
+        assert shear == pytest.approx(-loads.at([loads.length])[..., 0, 1], rel=1e-9)
+        assert (place == 0).all()
+
+
 @pytest.mark.slow
 @EACH
 def test_extremes_are_those_of_dense_samples(design: Design) -> None:
