@@ -65,10 +65,14 @@ _SYMBOL = re.compile(
     r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})(?![^\W²³])(?:\^\((\w+)\))?"
 )
 _WORD = re.compile(r"(?:a|[a-z]{2,})(?:[’'][a-z]+)?(?:[ ,;:]|$)")  # no l_B3, log.csv, x = 5
-_TORN = re.compile(
-    r"(?<=[\d∞]) (?=(?:%|[kM]?N|[µmd]?m|m?s|[kµ]?g|M?Pa|W|J|Hz|A|rpm)(?![a-z]))"  # 7.5 mm
-    r"|(?<=\b[xyzθκ]) (?=[−\d])|(?<=[⌀×≤≥=±]) (?=[−\d])|(?<=\S) (?=[≤≥=±×] )"  # z −5, κ ≤ 10, 3 × 4
+# What a space stands between; it comes first in a pattern, so that a search finds it at once.
+_BEFORE_UNIT = (
+    r"(?:(?<=[\d∞] )|(?<=\d</b> ))"  # 7.5 mm
+    r"(?=(?:%|[kM]?N|[µmd]?m|m?s|[mµ]?rad|[kµ]?g|M?Pa|W|J|Hz|A|rpm)(?![a-z]))"
+    r"|(?:(?<=\b[xyzθκ] )|(?<=⌀ ))(?=[−\d])"  # z −5, ⌀ 3
 )
+_TORN = re.compile(rf" (?:{_BEFORE_UNIT}|(?<=[×≤≥=±] )(?=[−\d])|(?<=\S )(?=[≤≥=±×] ))")  # κ ≤ 10
+_TORN_HTML = re.compile(rf" (?:{_BEFORE_UNIT})(?![^<>]*>)")  # in no tag
 
 
 def number(value: float, digits: int = 4, *, sign: bool = False, padded: bool = False) -> str:
@@ -214,6 +218,14 @@ def symbols_html(text: str) -> str:
 def tied(text: str) -> str:
     """Return a sentence in which no line ends between a number and its unit, sign or symbol."""
     return _TORN.sub(TIE, text)
+
+
+def tied_html(html: str) -> str:
+    """Return HTML in whose texts no line ends between a number and its unit or symbol.
+
+    Lines may end at signs such as ≤: columns of tables are narrow. Tags stay as they are.
+    """
+    return _TORN_HTML.sub(TIE, html)
 
 
 def _with_dots(text: str) -> str:

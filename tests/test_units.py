@@ -28,6 +28,7 @@ from paminsa_viz.units import (
     symbols_html,
     symbols_math,
     tied,
+    tied_html,
     unit_text,
 )
 
@@ -116,6 +117,8 @@ def test_no_line_ends_between_a_number_and_its_unit_sign_or_symbol() -> None:
         ("below 14 %; M1 to M3 2 springs", "below 14~%; M1 to M3 2 springs"),
     ):
         assert tied(text).replace(TIE, "~") == kept
+    html = '<b title="at 5 mm">0.5</b> mrad, by up to 2 µm'
+    assert tied_html(html).replace(TIE, "~") == '<b title="at 5 mm">0.5</b>~mrad, by up to 2~µm'
 
 
 def test_indices_of_symbols_are_drawn_lower() -> None:

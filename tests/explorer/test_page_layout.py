@@ -413,10 +413,7 @@ def test_no_text_or_table_is_wider_than_the_narrowest_dock(browser: Browser) -> 
     for name, shown in shown_states.items():
         frame = compute(shown)
         for path, entries in tables.items():
-            texts[f"{path}, {name}"] = "".join(
-                one.content if isinstance(one.content, str) else one.content(frame)
-                for one in pages(entries, shown)
-            )
+            texts[f"{path}, {name}"] = "".join(one.shown(frame) for one in pages(entries, shown))
     assert len([text for text in texts.values() if "<table" in text]) >= 20
     content = "".join(
         f'<section id="{key}" style="width: {NARROWEST}px" data-paminsa-mark="{key.split(",")[0]}">'

@@ -40,7 +40,7 @@ from paminsa_viz.explorer.kit.entries import (
 from paminsa_viz.explorer.kit.inputs import Dropdown, Input, Number, OneNumber, Pair, Slider
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.units import number
+from paminsa_viz.units import number, tied_html
 
 TYPING_TIMEOUT = 1.0
 """How long an impossible value may remain before it is refused [s]: typing 0.5 passes through 0."""
@@ -168,9 +168,9 @@ class Panel:
                 handle.on_upload(receive)
             case Html():
                 content = entry.content
-                handle = gui.add_html("" if callable(content) else content, **place)
+                handle = gui.add_html("" if callable(content) else tied_html(content), **place)
                 if callable(content):
-                    self._follow_frame(handle, "content", content, entry.idle)
+                    self._follow_frame(handle, "content", entry.shown, entry.idle)
             case ProgressBar():
                 handle = gui.add_progress_bar(0.0, animated=True, **place)
                 self._follow(handle, "value", lambda state: 100 * entry.read(state))

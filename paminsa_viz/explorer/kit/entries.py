@@ -15,6 +15,7 @@ from paminsa_viz.explorer.core.docks import ANSWER_TAB
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.session import Session, View
 from paminsa_viz.explorer.state.state import State
+from paminsa_viz.units import tied_html
 
 T = TypeVar("T")
 
@@ -158,6 +159,10 @@ class Html(Entry):
     _: KW_ONLY
     content: str | Callable[[Frame], str]
     idle: bool = False
+
+    def shown(self, frame: Frame) -> str:
+        """Return its HTML for a frame, in which no line ends between a number and its unit."""
+        return tied_html(self.content(frame) if callable(self.content) else self.content)
 
 
 @dataclass(frozen=True)
