@@ -23,7 +23,7 @@ from paminsa_viz.explorer.scene.curves import bands, dashes, linear_colors, segm
 from paminsa_viz.explorer.scene.label_places import apart, hung
 from paminsa_viz.explorer.scene.sizes import hanging
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.palette import INK, rgb
+from paminsa_viz.palette import rgb
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.scene.context import SceneContext
@@ -76,7 +76,7 @@ def lines(name: str, points: ArrayLike, color: str | NDArray[np.uint8], width: f
 def curves(
     name: str,
     found: Iterable[ArrayLike],
-    color: str = INK,
+    color: str,
     width: float = 2.0,
     *,
     height: float = 0.0,

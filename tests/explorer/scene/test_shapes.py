@@ -35,7 +35,7 @@ from paminsa_viz.explorer.scene.curves import (
 from paminsa_viz.explorer.scene.nodes import Nodes, curves, flat_curves, lines
 from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
-from paminsa_viz.palette import LIGHT, rgb
+from paminsa_viz.palette import INK, LIGHT, rgb
 from tests.support.desk import SilentPage
 from tests.support.samples import resized, with_knee
 from tests.support.scene import frame_at, solved
@@ -50,16 +50,16 @@ def circle(radius: float, count: int = 128) -> np.ndarray:
 def test_curve_is_one_node(server: viser.ViserServer) -> None:
     nodes = server.scene._handle_from_node_name
     drawn = Nodes(server.scene)
-    drawn.show([curves("/circle", [])])
+    drawn.show([curves("/circle", [], INK)])
     assert "/circle" not in nodes
-    drawn.show([curves("/circle", [circle(0.3), circle(0.1)], height=-0.5)])
+    drawn.show([curves("/circle", [circle(0.3), circle(0.1)], INK, height=-0.5)])
     node = nodes["/circle"]
     assert node.points.shape == (256, 2, 3)
     assert np.unique(node.points[..., 2]) == pytest.approx([-0.5])
-    drawn.show([curves("/circle", [circle(0.3, 16)])])
+    drawn.show([curves("/circle", [circle(0.3, 16)], INK)])
     assert nodes["/circle"] is node
     assert node.points.shape == (16, 2, 3)
-    drawn.show([curves("/circle", [])])
+    drawn.show([curves("/circle", [], INK)])
     assert "/circle" not in nodes
 
 

@@ -11,7 +11,7 @@ from paminsa_viz.elastostatics.leg_frame import contacts, pair_name
 from paminsa_viz.explorer.core import clearance
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.scene.nodes import Node, ball, curves, label, mesh
-from paminsa_viz.palette import BAD, INK, WARN
+from paminsa_viz.palette import BAD
 from paminsa_viz.units import format_value
 
 RADIUS: Final = 0.028
@@ -50,8 +50,11 @@ def nearest_bodies(frame: Frame) -> Iterator[Node]:
     found = clearance.nearest(frame.state)
     if found is None:
         return
-    little = WARN if found.distance < frame.state.clearance.settings.required else INK
-    color = BAD if found.distance < 0 else little
+    theme = frame.state.theme
+    little = found.distance < frame.state.clearance.settings.required
+    color = theme.warn_fill if little else theme.ink
+    if found.distance < 0:
+        color = theme.bad_fill
     yield curves("/clearance/line", [found.points], color, 4.0)
     text = f"{found.names[0]} – {found.names[1]}: {format_value(found.distance, 'm', 3)}"
     above = ABOVE * frame.shown_design.geometry.body_scale

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.scene.pose_handles import PoseHandle
 from paminsa_viz.explorer.scene.sizes import symbol_size
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model.arrays import Pose
-from paminsa_viz.palette import INK, REFERENCE, rgb
+from paminsa_viz.palette import Theme, rgb
 
 
 class PointHandle(PoseHandle):
@@ -57,16 +57,16 @@ class MotionPoints:
         self._handle.draw(frame, dragging)
         size = self.RADIUS * symbol_size(state.document.design.geometry)
         found = points.listed(state) if "points" in state.layers else ()
-        self._nodes.show(self._marks(found, points.selected(state), size))
+        self._nodes.show(self._marks(found, points.selected(state), size, state.theme))
 
     def _marks(
-        self, found: Sequence[points.Point], chosen: int | None, radius: float
+        self, found: Sequence[points.Point], chosen: int | None, radius: float, theme: Theme
     ) -> Iterator[Node]:
         names: dict[tuple[float, ...], list[str]] = {}
         for index, point in enumerate(found):
             x, y, _, z = point.pose
             names.setdefault((round(x, 3), round(y, 3), round(z, 3)), []).append(point.name)
-            color = rgb(REFERENCE if index == chosen else INK)
+            color = rgb(theme.reference if index == chosen else theme.ink)
             live = {"position": (x, y, z), "color": color, "radius": radius}
             fixed = {"subdivisions": 2, "cast_shadow": False}
             click = partial(self._select, index)

@@ -20,7 +20,7 @@ from paminsa_viz.explorer.scene.nodes import Node, curves, lines
 from paminsa_viz.kept import kept
 from paminsa_viz.model import Design
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
-from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.trajectory import TrajectoryAnalysis
 
 WIDTH: Final = 5.0
@@ -49,8 +49,8 @@ def motion_path(frame: Frame) -> tuple[Node, ...]:
         return ()
     geometry = state.last_reachable.geometry
     size = geometry.body_scale
-    height = layout(geometry).ground + size * ABOVE
-    return _drawn(frame.analysis, state.plots.color, height, state.playback.piece, size)
+    height, bad = layout(geometry).ground + size * ABOVE, state.theme.bad_fill
+    return _drawn(frame.analysis, state.plots.color, height, state.playback.piece, size, bad)
 
 
 @kept(4)
@@ -60,6 +60,7 @@ def _drawn(
     height: float,
     piece: tuple[float, float] | None,
     size: float,
+    bad_color: str,
 ) -> tuple[Node, ...]:
     found = split_path(analysis)
     torque = analysis.torque[found.samples, actuator]
@@ -74,7 +75,7 @@ def _drawn(
     bad = [found.place[run] for run in found.bad]
     return (
         lines("/path/way", way, colors, WIDTH),
-        curves("/path/failing", bad, BAD, WIDTH, dash=size * DASH),
+        curves("/path/failing", bad, bad_color, WIDTH, dash=size * DASH),
         curves("/path/below", [found.place[:, :2]], INK, height=height),
     )
 

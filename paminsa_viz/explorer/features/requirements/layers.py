@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from paminsa_viz import palette
 from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.requirements import placed_workspace
 from paminsa_viz.explorer.scene.nodes import Node, curves, mesh
@@ -44,7 +43,7 @@ def required_workspace(frame: Frame) -> Iterator[Node]:
     """Draw the outline of the required workspace."""
     placed = placed_workspace(frame.state)
     if placed is not None:
-        yield curves("/requirements/required", outline(*placed))
+        yield curves("/requirements/required", outline(*placed), frame.state.theme.ink)
 
 
 def proven_workspace(frame: Frame) -> Iterator[Node]:
@@ -52,7 +51,8 @@ def proven_workspace(frame: Frame) -> Iterator[Node]:
     largest = frame.state.requirements.largest
     outcome = largest.outcome
     if largest.proven and outcome is not None and outcome.job.serves(frame.state.document):
-        yield curves("/requirements/proven", outline(*largest.proven), palette.OK, 3.0)
+        color = frame.state.theme.good_fill
+        yield curves("/requirements/proven", outline(*largest.proven), color, 3.0)
 
 
 def outline(shape: WorkspaceShape, size: Place, center: Place) -> list[Array]:

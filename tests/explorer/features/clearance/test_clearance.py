@@ -22,12 +22,15 @@ from paminsa_viz.explorer.features.motion.plots import drawn_charts
 from paminsa_viz.explorer.features.motion.tab import status_html as motion_status
 from paminsa_viz.explorer.features.pose.tab import status_html
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.state.layers import LAYERS
 from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.palette import DARK, LIGHT
 from paminsa_viz.plots.series_builders import motion_clearance
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage
@@ -152,6 +155,10 @@ def test_line_joins_the_nearest_points(server: viser.ViserServer, state: State) 
     assert found is not None
     points = nodes["/clearance/line"].points
     np.testing.assert_allclose(points[0], found.points, atol=1e-6)
+    for appearance, ground in ((Appearance.DARK, DARK), (Appearance.LIGHT, LIGHT)):
+        view.draw(compute(replace(shown, appearance=appearance)), False)
+        colors = np.asarray(nodes["/clearance/line"].colors).reshape(-1, 3)
+        np.testing.assert_array_equal(colors[0], linear_colors(ground.ink)[0])
     assert "the platform" in nodes["/clearance/label"].text
     assert "11.5 mm" in nodes["/clearance/label"].text
     view.draw(compute(actions.move(shown, x=0.0)), False)

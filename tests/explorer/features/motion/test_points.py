@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,10 @@ from paminsa_viz.explorer.features.motion.point_entries import POINTS, points_ht
 from paminsa_viz.explorer.scene.context import SceneContext
 from paminsa_viz.explorer.state.motion import Kind
 from paminsa_viz.explorer.state.state import State, initial_state
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.arrays import Pose
-from paminsa_viz.palette import INK, REFERENCE, rgb
+from paminsa_viz.palette import DARK, INK, REFERENCE, rgb
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage, eventually
 
@@ -180,6 +182,9 @@ def test_handle_in_the_scene_drags_the_marked_point(
     assert [nodes[f"/points/{i}"].visible for i in range(3)] == [True] * 3
     colors = [nodes[f"/points/{i}"].color for i in range(3)]
     assert colors == [rgb(INK), rgb(INK), rgb(REFERENCE)]
+    view.draw(compute(replace(three, appearance=Appearance.DARK)), False)
+    colors = [nodes[f"/points/{i}"].color for i in range(3)]
+    assert colors == [rgb(DARK.ink), rgb(DARK.ink), rgb(DARK.reference)]
     np.testing.assert_allclose(nodes["/point_handle"].position, (-0.05, -0.02, -0.6))
     pose: dict[str, Any] = {
         "wxyz": (math.cos(0.2), 0.0, 0.0, math.sin(0.2)),

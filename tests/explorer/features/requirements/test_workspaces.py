@@ -19,6 +19,7 @@ from paminsa_viz.explorer.features.requirements.volumes import find_volume
 from paminsa_viz.explorer.features.synthesis import actions as synthesis
 from paminsa_viz.explorer.features.synthesis.layers import BEST_NODE
 from paminsa_viz.explorer.scene.context import SceneContext
+from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.nodes import LayerView
 from paminsa_viz.explorer.scene.places import found_at
 from paminsa_viz.explorer.state.layers import LAYERS
@@ -26,7 +27,9 @@ from paminsa_viz.explorer.state.outcome import Outcome, solve
 from paminsa_viz.explorer.state.requirements import LargestJob, VolumeJob
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.synthesis import BestSoFar, Shown
+from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.palette import DARK, LIGHT
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
 from tests.support.raw_page import RawPage
 from tests.support.scene import Scene
@@ -85,6 +88,11 @@ def test_required_and_proven_workspaces_are_outlined(layers: Scene, asked: State
     found: Any = SimpleNamespace(workspace=placed)
     proven = asked.updated("requirements.largest", outcome=Outcome(job, found))
     layers.show(proven)
+    for appearance, ground in ((Appearance.DARK, DARK), (Appearance.LIGHT, LIGHT)):
+        layers.show(replace(proven, appearance=appearance))  # which would swallow a dark line
+        for kind, color in (("required", ground.ink), ("proven", ground.good_fill)):
+            colors = np.asarray(layers.nodes[f"/requirements/{kind}"].colors).reshape(-1, 3)
+            np.testing.assert_array_equal(colors[0], linear_colors(color)[0])
     points = np.asarray(layers.nodes["/requirements/proven"].points).reshape(-1, 3)
     assert points.min(axis=0) == pytest.approx([-0.1, -0.05, -0.65])
     assert points.max(axis=0) == pytest.approx([0.1, 0.05, -0.35])
