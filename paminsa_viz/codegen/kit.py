@@ -108,21 +108,21 @@ WORST_CONDITION = 10.0
 """Condition number up to which poses become test vectors."""
 
 SINGLE_BOUNDS = {
-    "inverse kinematics": 5e-6,
-    "inverse Jacobian": 5e-5,
-    "Jacobian": 1e-5,
-    "forward kinematics": 5e-5,
-    "static torques": 5e-3,
-    "inverse dynamics": 5e-3,
-    "mass matrix": 1e-3,
-    "forward dynamics": 2e-2,
-    "friction": 1e-5,
-    "margin": 1e-5,
-    "singularities": 1e-5,
+    "inverse kinematics": 1e-6,
+    "inverse Jacobian": 2e-6,
+    "Jacobian": 2e-6,
+    "forward kinematics": 2e-5,
+    "static torques": 2e-5,
+    "inverse dynamics": 2e-4,
+    "mass matrix": 1e-4,
+    "forward dynamics": 5e-3,
+    "friction": 1e-6,
+    "margin": 5e-6,
+    "singularities": 2e-5,
 }
-"""Errors of the kit in single precision, over the larger of 1 and the value in SI units, at poses
-with condition numbers up to `WORST_CONDITION`, of robots like the prototype: other proportions may
-have larger ones. Names are those of the test program."""
+"""Errors of the kit in single precision, over the largest value of a column (see `test.c`), at
+poses with condition numbers up to `WORST_CONDITION`, of robots like the prototype, however large:
+other proportions may have larger ones. Names are those of the test program."""
 
 TOLERANCE = {False: 1e-9, True: max(SINGLE_BOUNDS.values())}
 """What the test program allows, in double and in single precision."""
@@ -143,8 +143,8 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
     bounds = ", ".join(f"{what} {bound:g}" for what, bound in SINGLE_BOUNDS.items())
     note = (
         "* This kit is in single precision. At condition numbers up to "
-        f"{WORST_CONDITION:g} errors over\n  the larger of 1 and the value are, for robots like "
-        f"the prototype, at most: {bounds}.\n  `./test` prints those of this design.\n"
+        f"{WORST_CONDITION:g} errors over\n  the largest value of a column of the table are, for "
+        f"robots like the prototype, at most: {bounds}.\n  `./test` prints those of this design.\n"
     )
     module = "| `paminsakins.comp` | the kinematics of LinuxCNC for this design |\n"
     readme = template(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from paminsa_viz.model import APPENDIX_4, Design, Drive, KneeBranch, LoadCase, LoadFrame
-from tests.support.samples import prototype_times
+from paminsa_viz.model.statics import BODIES
+from tests.support.samples import enlarged, prototype_times
 
 
 def loaded_robot() -> Design:
@@ -31,8 +32,13 @@ DESIGNS = {
     "posts": APPENDIX_4.with_knee(KneeBranch.UPPER).vary({"geometry.platform_joint_height": 1.2}),
 }
 
+_TOY = enlarged(APPENDIX_4, 0.003)
+HEAVY_TOY = _TOY.vary({path: 100.0 * _TOY.value(path) for path in BODIES})
+
 SIZES = {
     "twentieth": prototype_times(0.05),
     "fifth": prototype_times(0.2),
     "five": prototype_times(5.0),
+    # of millimeters, where gravity makes angular accelerations of some thousand rad/s^2
+    "heavy-toy": HEAVY_TOY,
 }

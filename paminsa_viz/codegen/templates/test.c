@@ -3,7 +3,8 @@
  *     cc -std=c99 -O2 -ffp-contract=off test.c -o test -lm && ./test vectors.csv
  *
  * Prints the worst error of each function and returns 0 if all are small enough, 1 if not, 2 if the
- * table cannot be read. An error is relative to the value, or absolute where that is below 1.
+ * table cannot be read. Errors are relative to the largest value of a column: those of a torque to
+ * the largest torque of its actuator, and accelerations to those of the robot let go, too.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,11 +23,13 @@ typedef struct {
     double worst;
 } Check;
 
-static void compare(Check *check, const double *got, const double *wanted, int count)
+static void compare(Check *check, const double *got, const double *wanted, const double *sizes,
+    int count)
 {
     for (int i = 0; i < count; i++) {
-        const double size = fabs(wanted[i]) > 1.0 ? fabs(wanted[i]) : 1.0;
-        double error = fabs(got[i] - wanted[i]) / size;
+        double error = fabs(got[i] - wanted[i]);
+        if (error > 0.0)
+            error /= sizes[i];
         if ((isnan(got[i]) && isnan(wanted[i])) ||
             (isinf(got[i]) && isinf(wanted[i]) && (got[i] > 0.0) == (wanted[i] > 0.0)))
             error = 0.0; /* a distance to what does not exist is infinite */
@@ -50,10 +53,41 @@ static int read_row(FILE *file, double row[COLUMNS])
     return 1;
 }
 
+static FILE *open_rows(const char *name)
+{
+    FILE *file = fopen(name, "r");
+    int letter;
+
+    if (file == NULL)
+        return NULL;
+    do
+        letter = fgetc(file);
+    while (letter != '\n' && letter != EOF);
+    return file;
+}
+
+static double larger(double a, double b)
+{
+    return b > a ? b : a; /* a if b is NaN */
+}
+
+/* Find the largest finite value of each column. */
+static void find_largest(FILE *file, double largest[COLUMNS])
+{
+    double row[COLUMNS];
+
+    for (int i = 0; i < COLUMNS; i++)
+        largest[i] = 0.0;
+    while (read_row(file, row))
+        for (int i = 0; i < COLUMNS; i++)
+            if (!isinf(row[i]))
+                largest[i] = larger(largest[i], fabs(row[i]));
+}
+
 int main(int count, char **words)
 {
     const char *name = count > 1 ? words[1] : "vectors.csv";
-    FILE *file = fopen(name, "r");
+    FILE *file = open_rows(name);
     Check checks[] = {
         {"status", 0.0}, {"inverse kinematics", 0.0}, {"inverse Jacobian", 0.0},
         {"Jacobian", 0.0}, {"static torques", 0.0}, {"inverse dynamics", 0.0},
@@ -62,58 +96,76 @@ int main(int count, char **words)
         {"formulas, given cos and sin theta", 0.0},
     };
     const int number = (int)(sizeof checks / sizeof checks[0]);
-    double row[COLUMNS];
-    int rows = 0, failed = 0, letter;
+    const double units[2] = {1.0, 1.0};
+    double row[COLUMNS], largest[COLUMNS];
+    int rows = 0, failed = 0;
 
     if (file == NULL) {
         fprintf(stderr, "%s cannot be read\n", name);
         return 2;
     }
-    do
-        letter = fgetc(file);
-    while (letter != '\n' && letter != EOF);
+    find_largest(file, largest);
+    fclose(file);
+    file = open_rows(name);
+    if (file == NULL)
+        return 2;
     while (read_row(file, row)) {
         const double *pose = row, *c = row + 4, *velocity = row + 6, *acceleration = row + 10;
         const double *next = row + 14;
         const PaminsaDesign *design = &PAMINSA_DESIGN;
-        double four[4], nearest[4], matrix[4][4];
+        const double *size = largest + 14;
+        const double none[4] = {0.0, 0.0, 0.0, 0.0};
+        double four[4], nearest[4], sizes[4], matrix[4][4];
 
         const PaminsaReach reach = paminsa_inverse_kinematics(design, pose, four);
         const double status[2] = {(Real)reach.status, (Real)reach.leg};
-        compare(&checks[0], status, next, 2);
-        compare(&checks[1], four, next + 2, 4);
+        compare(&checks[0], status, next, units, 2);
+        compare(&checks[1], four, next + 2, size + 2, 4);
         next += 6;
+        size += 6;
         if (reach.status == PAMINSA_STATUS_OK) {
             paminsa_nearest_pose(design, four, pose, nearest);
-            compare(&checks[8], nearest, pose, 4);
+            compare(&checks[8], nearest, pose, largest, 4);
         }
         paminsa_inverse_jacobian(design, pose, matrix);
-        for (int i = 0; i < 4; i++, next += 4)
-            compare(&checks[2], matrix[i], next, 4);
+        for (int i = 0; i < 4; i++, next += 4, size += 4)
+            compare(&checks[2], matrix[i], next, size, 4);
         paminsa_jacobian(design, pose, matrix);
-        for (int i = 0; i < 4; i++, next += 4)
-            compare(&checks[3], matrix[i], next, 4);
+        for (int i = 0; i < 4; i++, next += 4, size += 4)
+            compare(&checks[3], matrix[i], next, size, 4);
+        for (int i = 0; i < 4; i++) /* a balanced robot has static torques of rounding alone */
+            sizes[i] = larger(size[i], size[4 + i]);
         paminsa_static_torques(design, pose, four);
-        compare(&checks[4], four, next, 4);
+        compare(&checks[4], four, next, sizes, 4);
         paminsa_inverse_dynamics(design, pose, velocity, acceleration, four);
-        compare(&checks[5], four, next + 4, 4);
+        compare(&checks[5], four, next + 4, sizes, 4);
+        paminsa_forward_dynamics(design, pose, none, none, four);
+        for (int i = 0; i < 4; i++) /* what torques and gravity do cancels for the most part */
+            sizes[i] = larger(size[8 + i], fabs(four[i]));
         paminsa_forward_dynamics(design, pose, velocity, next + 4, four);
-        compare(&checks[7], four, next + 8, 4);
+        compare(&checks[7], four, next + 8, sizes, 4);
         next += 12;
+        size += 12;
         paminsa_mass_matrix_of(design, pose, matrix);
-        for (int i = 0; i < 4; i++, next += 4)
-            compare(&checks[6], matrix[i], next, 4);
+        for (int i = 0; i < 4; i++) {
+            for (int j = 0; j < 4; j++)
+                sizes[j] = sqrt(size[5 * i] * size[5 * j]);
+            compare(&checks[6], matrix[i], next + 4 * i, sizes, 4);
+        }
+        next += 16;
+        size += 16;
         paminsa_friction_torques(design, velocity, four);
-        compare(&checks[9], four, next, 4);
-        compare(&checks[10], &reach.margin, next + 4, 1);
+        compare(&checks[9], four, next, size, 4);
+        compare(&checks[10], &reach.margin, next + 4, size + 4, 1);
         const PaminsaSingularity far = paminsa_singularity(design, pose);
         const double measures[5] = {far.determinant, far.condition, far.position_distance,
             far.rotation_distance, far.serial_distance};
-        compare(&checks[11], measures, next + 5, 5);
+        compare(&checks[11], measures, next + 5, size + 5, 5);
         next += 10;
+        size += 10;
         const PaminsaUnitTorques gamma =
             paminsa_unit_torques(&design->mechanism, pose[0], pose[1], c[0], c[1], pose[3]);
-        compare(&checks[12], gamma.values, next, 4);
+        compare(&checks[12], gamma.values, next, size, 4);
         rows++;
     }
     fclose(file);
