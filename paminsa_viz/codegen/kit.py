@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -14,6 +15,7 @@ from paminsa_viz import __version__
 from paminsa_viz.actuation.wrench_capability import transmission_indices
 from paminsa_viz.codegen.c99 import C99
 from paminsa_viz.codegen.printer import FUNCTIONS, Printer, commented
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import kinematic_formulas, measures, robot
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
@@ -320,7 +322,7 @@ def test_vectors(design: Design, draw: int) -> str:
         "J": flat(jacobian(geometry, pose)),
         "static": static_torques(design, pose),
         "torque": torque,
-        "forward": forward_dynamics(design, pose, velocity, torque),
+        "forward": _accelerations(design, pose, velocity, torque),
         "M": flat(mass_matrix(design, pose)),
         "friction": friction_torque(design.actuator_friction, velocity),
         "margin": reach.margins.min(axis=(-1, -2))[:, None],
@@ -344,6 +346,18 @@ def test_vectors(design: Design, draw: int) -> str:
     line = ",".join(["%.17g"] * rows.shape[1])
     lines = [line % tuple(row) for row in rows.tolist()]
     return "\n".join([",".join(names), *lines]) + "\n"
+
+
+def _accelerations(design: Design, pose: Array, velocity: Array, torque: Array) -> Array:
+    """Return accelerations (n, 4); NaN, as in C, where nothing resists the motion."""
+    try:
+        return forward_dynamics(design, pose, velocity, torque)
+    except InvalidInput:
+        found = np.full_like(pose, np.nan)
+        for row, state in enumerate(zip(pose, velocity, torque, strict=True)):
+            with suppress(InvalidInput):
+                found[row] = forward_dynamics(design, *state)
+        return found
 
 
 def _poses(design: Design, draw: int) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from paminsa_viz.model import APPENDIX_4, Design, Drive, KneeBranch, LoadCase, LoadFrame
+from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.statics import BODIES
 from tests.support.samples import enlarged, prototype_times
 
@@ -20,6 +21,8 @@ def loaded_robot() -> Design:
     return replace(design, drives=(drive, None, drive, lift), load=load)
 
 
+WEIGHTLESS = APPENDIX_4.vary({path: 0.0 for path in MASS_PATHS if path != "platform.mass"})
+
 DESIGNS = {
     "appendix-4": APPENDIX_4,
     "upper-knee": APPENDIX_4.with_knee(KneeBranch.UPPER),
@@ -29,6 +32,8 @@ DESIGNS = {
         {"geometry.base_radius": 0.15, "geometry.platform_radius": 0.33}
     ),
     # joints 5 on posts: with the upper knee the platform itself hangs below the guides
+    # nothing resists a turn of the platform: no torque makes a finite acceleration
+    "weightless": WEIGHTLESS,
     "posts": APPENDIX_4.with_knee(KneeBranch.UPPER).vary({"geometry.platform_joint_height": 1.2}),
 }
 
