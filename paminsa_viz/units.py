@@ -58,6 +58,9 @@ on the page in number boxes and in the command palette."""
 SAME = 1e-9
 """Share of a number that counts as rounding where it is rounded to one side."""
 
+_LARGE = 1e5
+"""From here on numbers are written with a power of ten."""
+
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # A difference has its Δ before the letter, and a square its ² after the index.
@@ -152,9 +155,23 @@ def counted(count: int, noun: str, plural: str = "") -> str:
     return f"{count:,} {noun if count == 1 else plural or f'{noun}s'}"
 
 
-def percent(share: float, decimals: int = 0) -> str:
-    """Return a share in percent with a fixed count of decimals: ``12.5 %``; a dash for NaN."""
-    return NONE if math.isnan(share) else f"{fixed(100 * share, decimals)} %"
+def percent(
+    share: float, decimals: int = 0, *, digits: int | None = None, sign: bool = False
+) -> str:
+    """Return a share in percent: ``12.5 %``; a dash for NaN.
+
+    Args:
+        share: The share.
+        decimals: How many there are; large numbers get a power of ten as those of `number` do.
+        digits: Significant digits at most, in place of decimals.
+        sign: Whether positive numbers of significant digits get a plus sign.
+    """
+    value = 100 * share
+    if math.isnan(value):
+        return NONE
+    if digits is None and abs(value) < _LARGE:
+        return f"{fixed(value, decimals)} %"
+    return f"{number(value, digits or 3, sign=sign)} %"
 
 
 def percent_change(before: float, after: float) -> str:

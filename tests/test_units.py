@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -107,6 +109,17 @@ def test_symbols_as_text_and_html(symbol: str, label: str, markup: str) -> None:
 )
 def test_symbols_in_a_sentence_are_typeset(text: str, markup: str) -> None:
     assert symbols_html(text) == markup
+
+
+def test_large_percentages_have_the_power_of_ten_of_other_numbers() -> None:
+    for share, text in (
+        (0.125, "12.5 %"), (-999.994, "−99999.4 %"), (-3008.9, "−3.01·10⁵ %"), (math.nan, NONE),
+        (math.inf, "∞ %"), (0.0, "0.0 %"),
+    ):  # fmt: skip
+        assert percent(share, 1) == text
+    assert percent(3008.9, digits=3) == f"{number(300890.0, 3)} %" == "3.01·10⁵ %"
+    assert percent(0.012345, digits=2, sign=True) == "+1.2 %"
+    assert percent(0.125, digits=2) == "12 %"
 
 
 def test_no_line_ends_between_a_number_and_its_unit_sign_or_symbol() -> None:

@@ -16,7 +16,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, SPEED_UNITS, TORQUE_UNITS
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import NONE, counted, fixed, format_value, number, percent
+from paminsa_viz.units import NONE, counted, format_value, number, percent
 
 RPM = 30 / math.pi
 """Revolutions per minute in a radian per second."""
@@ -189,7 +189,7 @@ def margin_text(one: DriveFigures, good: CellKind) -> str:
         return NONE
     room = round(100 * (1 - one.use), 6)  # 1 - 0.9 is a little less than 0.1
     whole = math.floor(room) if math.isfinite(room) else room
-    return Cell(f"{fixed(whole, 0)} %", kind=good if one.feasible else "bad")
+    return Cell(percent(whole / 100), kind=good if one.feasible else "bad")
 
 
 def winding_text(one: DriveFigures) -> str:

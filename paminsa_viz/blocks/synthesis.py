@@ -31,7 +31,16 @@ from paminsa_viz.synthesis import (
     find_objective,
 )
 from paminsa_viz.synthesis.search.front import DesignFront
-from paminsa_viz.units import NONE, counted, format_ascii, format_value, number, si_unit, unit_text
+from paminsa_viz.units import (
+    NONE,
+    counted,
+    format_ascii,
+    format_value,
+    number,
+    percent,
+    si_unit,
+    unit_text,
+)
 
 OVERLAP_ALLOWED = "Overlap was allowed: the robot need not be one that can be built as it is drawn."
 """What marks an answer for which it was not required that the bodies do not overlap."""
@@ -214,7 +223,7 @@ def buildability_table(found: Buildability, reference: Buildability) -> Table:
         return format_value(number, unit) if math.isfinite(number) else NONE
 
     def share(number: float) -> str:
-        return f"{100 * number:.3g} %" if math.isfinite(number) else NONE
+        return percent(number, digits=3) if math.isfinite(number) else NONE
 
     def length(own: float, needed: float) -> str:
         return f"{value(own, 'm')}, needed {value(needed, 'm')}"
@@ -263,7 +272,7 @@ def relaxed_blocks(result: SynthesisResult, text: BoundText = bound_label) -> li
         (
             text(item.bound),
             _worst(item.nearest, item.bound),
-            f"{number(100 * item.change, 3, sign=True)} %",
+            percent(item.change, digits=3, sign=True),
         )
         for item in possible
     )

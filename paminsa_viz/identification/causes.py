@@ -37,7 +37,7 @@ from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PANTOGRAPH
 from paminsa_viz.model.regressor import torque_regressor
 from paminsa_viz.model.resizing import length_ratio
-from paminsa_viz.units import format_value, number
+from paminsa_viz.units import format_value, percent
 
 LENGTHS = {
     "base_radius": ("R_b", 5e-3),
@@ -309,7 +309,7 @@ def _size(cause: Cause) -> str:
     if not np.isfinite(cause.detectable):
         return "any size"
     if not cause.unit:
-        return f"{number(100 * cause.detectable, 2)} %"
+        return percent(cause.detectable, digits=2)
     return format_value(cause.detectable, cause.unit, 2)
 
 

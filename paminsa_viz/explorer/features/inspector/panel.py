@@ -30,7 +30,7 @@ from paminsa_viz.explorer.state.monte_carlo import NAMES
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.explorer.state.stiffness import CASES
 from paminsa_viz.model import PARAMETER, Design
-from paminsa_viz.units import NONE, number
+from paminsa_viz.units import number, percent
 
 WIDTH: Final = 236
 """Width of the panel [px]."""
@@ -135,10 +135,6 @@ def _missing(state: State) -> str:
     return ""
 
 
-def _percent(share: float) -> str:
-    return NONE if math.isnan(share) else f"{number(100 * share, 3)} %"
-
-
 def _shares(frame: Frame, part: RobotPart) -> list[tuple[str, str, str]]:
     state = frame.state
     added = imbalance_share(state.shown_design, part)
@@ -149,13 +145,13 @@ def _shares(frame: Frame, part: RobotPart) -> list[tuple[str, str, str]]:
         rows.append(("M_p2", f"{number(added, 3)} N of {number(frame.balance, 3)} N", hint))
     strain = strain_share(state, part)
     if strain is not None:
-        share = "no load" if math.isnan(strain) else _percent(strain)
+        share = "no load" if math.isnan(strain) else percent(strain, digits=3)
         case = CASES[state.stiffness.settings.case][0]
         rows.append(("strain energy", share, f"Of this part alone, under {case}"))
     error = tolerance_share(frame, part)
     if error is not None:
         hint = "In the variance by tolerances, of these parts of all legs"
-        rows.append((f"error of {coordinate}", _percent(error), hint))
+        rows.append((f"error of {coordinate}", percent(error, digits=3), hint))
     return rows
 
 
