@@ -112,7 +112,10 @@ def _about(data: SeriesData) -> list[str]:
     sources = data.sources
     compared = _compared_sentences(sources)
     if data.kind == "torques":
-        return ["The band is the RMS over time, to both sides of zero.", *compared]
+        # of a motion that fails at once there is none
+        drawn = any(trace.band is not None for panel in data.panels for trace in panel.traces)
+        band = ["The band is the RMS over time, to both sides of zero."] if drawn else []
+        return [*band, *compared]
     if data.kind == "power":
         return ["Positive where an actuator drives.", *compared]
     if data.kind == "energy":

@@ -373,6 +373,15 @@ def test_a_crossing_at_which_torques_have_no_bound_is_an_instant_that_fails(anal
     assert "Numbers are for" not in text  # they are those of all samples
 
 
+def test_a_band_is_explained_only_where_it_is_drawn(analysis) -> None:
+    """Not of a motion that fails at once."""
+    shifted = replace(analysis.trajectory, pose=analysis.trajectory.pose + 9.0)
+    failing = analyze(APPENDIX_4, shifted)
+    assert not failing.summary
+    assert "The motion fails" in (text := text_of("torques", failing))
+    assert "band" not in text
+
+
 def test_captions_say_what_is_compared_and_what_is_summed(analysis, light, motion) -> None:
     published = analyze(APPENDIX_4, motion, misprints=Misprint.ALL)
     compared = {"reference": light, "published": published}

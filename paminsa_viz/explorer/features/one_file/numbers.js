@@ -61,7 +61,7 @@ const fillMargins = (robot, doc, solved) => {
 const fillQuality = (robot, doc, solved) => {
   const mass = balancedMass(robot, doc);
   fill("quality", [
-    ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 4 + robot.spare.force)} N`],
+    ["M<sub>p2</sub>, static imbalance (Eq. 8)", `${number(robot.imbalance, 3 + robot.spare.force)} N`],
     ["balanced by m₇ =", mass >= 0 ? `${number(mass, 3 + robot.spare.force)} kg` : "none"],
     ["least margin", `${millimeters(robot, solved.margin)} mm, leg ${solved.leg}, ${PAGE.limits[solved.limit]}`],
     ["condition number", number(solved.condition, 3)],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paminsa_viz.explorer.features.one_file import one_file
 from paminsa_viz.explorer.kit.robot_texts import decimals, millimeter_decimals
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, LoadCase, backend, torque_breakdown
@@ -87,3 +89,6 @@ def test_numbers_of_any_robot_have_the_decimals_of_the_served_page(tmp_path: Pat
         ]
         assert shown == list(decimals(robot))
         assert 1 + spare["place"] == millimeter_decimals(robot.geometry)
+    script = one_file(documents[2])
+    (many,) = re.findall(r"number\(robot\.imbalance, (\d) \+ robot\.spare\.force\)", script)
+    assert int(many) == usual[1] + 1  # as M_p2 is written there
