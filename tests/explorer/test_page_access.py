@@ -268,6 +268,48 @@ def test_tooltips_open_in_the_view_and_not_over_the_panel(tab: Tab) -> None:
     assert "(key: H)" in str(home.get_attribute("title"))  # viser shows none
 
 
+REPLACED = """async () => {
+  const place = document.createElement("div");
+  const row = (name) => {
+    const made = document.createElement("div");
+    made.innerHTML = `<button id="${name}">${name}</button>`;
+    return made;
+  };
+  const rows = Object.fromEntries(["before", "start", "stop", "after"].map((n) => [n, row(n)]));
+  const seen = [];
+  const look = async () => {
+    for (let i = 0; i < 2; i++) await new Promise((done) => requestAnimationFrame(done));
+    seen.push(document.activeElement.id || document.activeElement.tagName);
+  };
+  const { before, start, stop, after } = rows;
+  document.body.append(place);
+  place.append(before, start, after);
+  start.firstChild.focus();
+  start.remove();
+  await look();
+  before.after(stop);
+  await look();
+  after.after(row("answer"));
+  stop.replaceWith(start);
+  await look();
+  start.firstChild.disabled = true;
+  await look();
+  start.firstChild.disabled = false;
+  await look();
+  start.replaceWith(stop);
+  after.firstChild.focus();
+  await look();
+  place.remove();
+  return seen;
+}"""
+"""What has the focus while buttons come and go as they do where a task starts and ends."""
+
+
+def test_button_that_comes_where_one_was_pressed_has_its_focus(tab: Tab) -> None:
+    seen = tab.page.evaluate(REPLACED)
+    assert seen == ["BODY", "stop", "start", "BODY", "start", "after"]
+
+
 def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
     tab = open_tab(1400, 900)
     left, right = view_edges(tab)

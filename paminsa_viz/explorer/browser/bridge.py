@@ -36,6 +36,7 @@ PARTS = (
     "backdrop.js",
     "tooltips.js",
     "names.js",
+    "focus.js",
     "folders.js",
     "tour.js",
     "covers.js",

@@ -57,6 +57,7 @@
     isWhole: () => docks.isWhole() && isCurrent(),
   });
   window.paminsaFiles({ ...page, largest: config.largestFile });
+  window.paminsaFocus(page);
   window.paminsaFolders(page);
   window.paminsaKeys(page);
   window.paminsaLost(page);
