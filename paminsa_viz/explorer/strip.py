@@ -81,7 +81,7 @@ def restartable(state: State) -> dict[str, Effect]:
     tasks: dict[str, tuple[str, Action]] = {
         SEARCH.place.path: ("Search for a robot", search),
         LARGEST.place.path: ("Largest workspace", LARGEST.start),
-        DRIVES.place.path: ("Find drives", DRIVES.start),
+        DRIVES.place.path: ("Search for drives", DRIVES.start),
         EXCITATION.place.path: ("Motion for a log", EXCITATION.start),
     }
     for kind, label in BALANCE_TASKS.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.core import tab_store
@@ -12,7 +13,9 @@ from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.strip import restartable
+from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import InvalidInput
+from tests.support.entries import flat
 
 
 def reloaded(state: State) -> State:
@@ -47,10 +50,10 @@ def test_the_search_for_a_motion_to_record_is_offered_again() -> None:
 def test_a_search_for_drives_is_offered_again_unless_a_reload_loses_what_it_was_for() -> None:
     """Motions of a cycle and a catalog are not kept: without them it would be another search."""
     running = drives.SEARCH.start(initial_state())
-    assert drives.SEARCH.runs(started_again(reloaded(running), "Find drives"))
+    assert drives.SEARCH.runs(started_again(reloaded(running), "Search for drives"))
     outcome = Outcome[Any, Any](running.drives.running, result=object())
     found = drives.SEARCH.deliver(running, running.drives.ticket, outcome)
-    assert drives.SEARCH.runs(started_again(reloaded(found), "Find drives"))
+    assert drives.SEARCH.runs(started_again(reloaded(found), "Search for drives"))
     cycle = drives.SEARCH.start(drives.add_motion(initial_state()))
     assert restartable(reloaded(cycle)) == {}
 
@@ -87,3 +90,27 @@ def test_a_front_and_a_sensitivity_that_are_lost_are_offered_again_and_a_balance
     assert again.balance.running is not None
     assert again.balance.running.task is BalanceKind.FRONT
     assert restartable(reloaded(start.updated("balance", front=failed, outcome=found))) == {}
+
+
+STOPS = {
+    "Search for drives": "drives.find.stop",
+    "Motion for a log": "identify.search.stop",
+    "Balance": "balance.stop",
+    "Pareto front": "front.compute.stop",
+    "Sensitivity": "tornado.compute.stop",
+}
+"""Buttons that stop what is started again, each beside the one that starts it."""
+
+
+def test_what_can_be_started_again_can_be_stopped_in_its_place() -> None:
+    kinds = [tab_store.task_name("balance", kind.name) for kind in BalanceKind]
+    state = replace(initial_state(), ended=(*kinds, "drives", "identification.excitation"))
+    tables = [section.entries() for section in sections().values()]
+    entries: Any = {entry.key: entry for table in tables for entry in flat(table)}
+    for label, key in STOPS.items():
+        start: Any = restartable(state)[label]
+        running, stop = start(state), entries[key]
+        assert list(tab_store.unkept_tasks(running)), label
+        assert stop.visible(running), label
+        assert not stop.visible(state), label
+        assert not list(tab_store.unkept_tasks(stop.effect(running))), label

@@ -168,9 +168,11 @@ SENSITIVITY = (
         visible=lambda state: state.balance.tornado is None,
     ),
     _setting("variation"),
-    Button(
-        "tornado.compute", "Compute", visible=_idle,
-        effect=partial(balancing.start, task=BalanceKind.SENSITIVITY),
+    *balancing.SENSITIVITY.buttons(
+        Button(
+            "tornado.compute", "Compute", visible=_idle,
+            effect=partial(balancing.start, task=BalanceKind.SENSITIVITY),
+        ),
     ),
     Answer(
         "balance.tornado_answer", "Sensitivity", found=lambda state: state.balance.tornado,

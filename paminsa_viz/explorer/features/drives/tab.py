@@ -234,10 +234,11 @@ DRIVES = (
         "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",
         color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",
     ),
-    Button(
-        "drives.find", "Find drives", icon=Icon.ENGINE, effect=SEARCH.start, undo=False,
-        disabled=SEARCH.runs,
-        hint="Measures every pair of the catalog on the motion, or on the cycle",
+    *SEARCH.buttons(
+        Button(
+            "drives.find", "Find drives", icon=Icon.ENGINE, effect=SEARCH.start, undo=False,
+            hint="Measures every pair of the catalog on the motion, or on the cycle",
+        ),
     ),
     SEARCH.worker,
     Answer(
