@@ -9,6 +9,7 @@ from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.features.balance import actions as balancing
 from paminsa_viz.explorer.features.drives import tab as drives
 from paminsa_viz.explorer.features.identification import actions as identification
+from paminsa_viz.explorer.kit.entries import Button, given
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -114,3 +115,10 @@ def test_what_can_be_started_again_can_be_stopped_in_its_place() -> None:
         assert stop.visible(running), label
         assert not stop.visible(state), label
         assert not list(tab_store.unkept_tasks(stop.effect(running))), label
+
+
+def test_every_button_says_under_the_pointer_what_it_does() -> None:
+    for section in sections().values():
+        for entry in flat(section.entries()):
+            if isinstance(entry, Button):
+                assert given(entry.tooltip, initial_state()), entry.key

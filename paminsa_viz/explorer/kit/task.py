@@ -34,6 +34,10 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
+STOP_HINT = "Ends it without a result; an earlier one stays"
+"""Tooltip of a button that stops a task."""
+
+
 @dataclass(frozen=True)
 class Task(Generic[Job, Result]):
     """What is started by a button, runs on a thread, and leaves an outcome in the state.
@@ -166,7 +170,7 @@ class Task(Generic[Job, Result]):
             ),
             Button(
                 f"{key}.stop", "Stop", color="gray", visible=self.runs, undo=False,
-                effect=self.stop,
+                effect=self.stop, hint=STOP_HINT,
             ),
         )  # fmt: skip
 

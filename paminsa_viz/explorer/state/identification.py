@@ -53,10 +53,18 @@ class IdentifySettings(Settings):
     payload: float = setting(
         0.0, "Payload [kg]", "Of the log with payload; 0: not weighed", range=(0.0, 1e3), step=0.1
     )
-    period: float = setting(10.0, "Period [s]", range=(1.0, 100.0))
-    harmonics: int = setting(5, "Harmonics", range=(3, 20))
+    period: float = setting(
+        10.0, "Period [s]", "After which the motion repeats itself", range=(1.0, 100.0)
+    )
+    harmonics: int = setting(
+        5, "Harmonics", "Sines that each coordinate is made of; more tell more and are faster",
+        range=(3, 20),
+    )  # fmt: skip
     periods: int = setting(2, "Periods", range=(1, 1000))
-    seconds: float = setting(60.0, "Search for [s]", range=(1.0, 600.0), step=5.0)
+    seconds: float = setting(
+        60.0, "Search for [s]", "How long, at most; a longer search may find a better motion",
+        range=(1.0, 600.0), step=5.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -47,7 +47,10 @@ class MonteCarloSettings(Settings):
         leg, length: Which deviation is shown, by their indices.
     """
 
-    robots: int = setting(2000, "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0)
+    robots: int = setting(
+        2000, "Robots", "How many are drawn; more make the shares more certain",
+        range=(1.0, float(MOST_ROBOTS)), step=100.0,
+    )  # fmt: skip
     seed: int = setting(0, "Seed", "The same seed draws the same robots", range=(0.0, 1e9))
     coordinate: int = setting(
         0, "Shares in", "Which lengths the error of a coordinate comes from",

@@ -58,7 +58,10 @@ class SimulationSettings(Settings):
         3.0, "Bandwidth [Hz]", "Of the error's own motion; the gains follow from it",
         range=(0.0, 50.0), step=0.5,
     )  # fmt: skip
-    damping: float = setting(1.0, "Damping ratio", range=(0.0, 5.0), step=0.1)
+    damping: float = setting(
+        1.0, "Damping ratio", "Of the feedback; below 1 an error swings on",
+        range=(0.0, 5.0), step=0.1,
+    )  # fmt: skip
     payload_mismatch: float = setting(
         5.0, "Payload mismatch [kg]", "Payload of the robot beyond what the controller assumes",
         range=(-10_000.0, 10_000.0), step=0.1,

@@ -25,6 +25,7 @@ from paminsa_viz.explorer.kit.entries import (
 from paminsa_viz.explorer.kit.inputs import Dropdown, Pair, Slider, attribute
 from paminsa_viz.explorer.kit.robot_texts import gauge_html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
+from paminsa_viz.explorer.kit.task import STOP_HINT
 from paminsa_viz.explorer.kit.text import note
 from paminsa_viz.explorer.state.balance import (
     LARGEST_MASS,
@@ -104,10 +105,11 @@ SETTINGS = (
     Button(
         "balance.optimize", "Optimize", visible=_idle,
         effect=partial(balancing.start, task=BalanceKind.OPTIMUM),
+        hint="Finds the masses that balance the robot best, and makes them the design’s",
     ),
     Button(
         "balance.stop", "Stop", color="gray", visible=_busy,
-        effect=balancing.OPTIMUM.stop,
+        effect=balancing.OPTIMUM.stop, hint=STOP_HINT,
     ),
 )  # fmt: skip
 
@@ -145,6 +147,7 @@ FRONT = (
         Button(
             "front.compute", "Compute the front",
             effect=partial(balancing.start, task=BalanceKind.FRONT),
+            hint="Finds designs between the lowest peak at rest and the lowest in motion",
         ),
     ),
     Answer(
@@ -172,6 +175,7 @@ SENSITIVITY = (
         Button(
             "tornado.compute", "Compute", visible=_idle,
             effect=partial(balancing.start, task=BalanceKind.SENSITIVITY),
+            hint="Changes each mass and length by itself, and measures what the torques do",
         ),
     ),
     Answer(

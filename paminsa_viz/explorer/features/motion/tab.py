@@ -183,6 +183,8 @@ SIMULATING: tuple[Entry, ...] = (
     Button(
         "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT,
         effect=simulate, disabled=SIMULATION.runs,
+        hint="Runs the motion under the controller: where the robot really goes, and with which "
+        "torques",
     ),
     SIMULATION.worker,
     Html(

@@ -64,6 +64,7 @@ LARGEST_WORKSPACE = (
                 effect=Then(
                     actions.use_largest, "The workspace that was proven is the required one now."
                 ),
+                hint="Makes its size, center and shape those that the requirements are for",
             ),
         ),
     ),

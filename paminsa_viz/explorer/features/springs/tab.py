@@ -73,7 +73,7 @@ SPRINGS: tuple[Entry, ...] = (
             Html("springs.text", content=springs_html),
             Button(
                 "springs.clear", "Remove the springs", effect=springs.FIT.forget, color="gray",
-                undo=False,
+                undo=False, hint="Forgets the springs that were fitted; the design has none",
             ),
         ),
     ),
