@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,12 @@ _RAMPS = 13
 
 _SAME_RAMP = 1e-4
 """Share to which the best ramps are found."""
+
+_MOTOR_SPEED = slice(LIMITED.index(MOTOR_SPEEDS[0]), LIMITED.index(MOTOR_SPEEDS[-1]) + 1)
+"""Columns of the durations that the motors' top speeds need."""
+
+_ROUNDS = 2
+"""How often the best top speed and the best acceleration are looked for in turn."""
 
 
 @dataclass(frozen=True)
@@ -151,8 +158,8 @@ def shortest_stretch(
         limits: The limits.
         design: The robot. Needed for torque limits; where it is given, the path is checked.
         reshape: Whether a straight trapezoid or S-curve may change its ramps: to use the limits of
-            speed, acceleration and jerk fully, or less of the acceleration where an actuator is too
-            weak for it. Otherwise it is only stretched.
+            speed, acceleration and jerk fully, or less of them where an actuator is too weak or
+            its motor too slow. Otherwise it is only stretched.
         drives: Whether to keep the torque-speed envelopes and top speeds of the design's drives and
             the peak torques of their gears, if it has any; their losses by the direction of the
             power.
@@ -212,7 +219,8 @@ def _reshaped(
 
     They are those that use the limits of its rates fully. Where an actuator is too weak for them,
     stretching the motion would leave it at a crawl between two jerks: gentler ramps, and the
-    motion's own, are then looked at as well.
+    motion's own, are then looked at as well. So are lower top speeds where motors limit them and a
+    limited jerk would leave no time at a constant speed; ramps of any share have them all.
     """
     curve = plan.curve
     if not (isinstance(curve, Blend) and len(curve.terms) == 1):
@@ -236,25 +244,41 @@ def _reshaped(
     least = needed(steepest)
     if least <= alone * (1.0 + _RATES_DECIDE) or not np.isfinite(least):
         return steepest
-    if np.isfinite(jerk):  # from the acceleration that is reached to none, at the full jerk
-        full = float(np.abs(law(np.array([law.ramp / 2.0]), 2))[0]) / alone**2
-        ends = _GENTLEST * full, full
-    else:  # a stretched law may have the shape of any ramps
+    if not np.isfinite(jerk):  # a stretched law may have the shape of any ramps
         ends = min(law.ramp, _SHORTEST_RAMP), 0.5
+        ramp = _best(lambda ramp: needed(shaped(replace(law, ramp=ramp))), *ends)
+        return min((steepest, shaped(replace(law, ramp=ramp)), plan), key=needed)
 
-    def gentler(logarithm: float) -> Plan:
-        value = min(float(np.exp(logarithm)), ends[1])
-        if np.isfinite(jerk):
-            return shaped((fit_law(term.law, speed, value, jerk) or fitted)[0])
-        return shaped(replace(law, ramp=value))
+    def limited(top: float, most: float) -> Plan:
+        return shaped((fit_law(term.law, top, most, jerk) or fitted)[0])
 
-    grid = np.linspace(np.log(ends[0]), np.log(ends[1]), _RAMPS)
-    best = int(np.argmin([needed(gentler(logarithm)) for logarithm in grid]))
+    def time_of(top: float, most: float) -> float:
+        return needed(limited(top, most))
+
+    # from the acceleration and the speed that are reached to none, at the full jerk
+    full = float(np.abs(law(np.array([law.ramp / 2.0]), 2))[0]) / alone**2
+    accelerations = _GENTLEST * full, full
+    found = [steepest, plan, limited(speed, _best(partial(time_of, speed), *accelerations))]
+    if needed_by(steepest)(np.array([0.25, 0.5, 0.75]))[:, _MOTOR_SPEED].any():
+        fastest, most = float(law(np.array([0.5]), 1)[0]) / alone, full
+        for _ in range(_ROUNDS):
+            top = _best(partial(time_of, most=most), _GENTLEST * fastest, fastest)
+            most = _best(partial(time_of, top), *accelerations)
+            found.append(limited(top, most))
+    return min(found, key=needed)
+
+
+def _best(needed: Callable[[float], float], low: float, high: float) -> float:
+    """Return the value between two above 0 that needs the least time."""
     from scipy.optimize import minimize_scalar  # slow to load
 
-    near = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+    grid = np.geomspace(low, high, _RAMPS)
+    grid[-1] = high
+    times = [needed(float(value)) for value in grid]
+    best = int(np.argmin(times))
+    near = np.log(grid[[max(best - 1, 0), min(best + 1, len(grid) - 1)]])
     found: Any = minimize_scalar(
-        lambda logarithm: needed(gentler(logarithm)),
-        bounds=near, method="bounded", options={"xatol": _SAME_RAMP},
+        lambda logarithm: needed(min(float(np.exp(logarithm)), high)),
+        bounds=tuple(near), method="bounded", options={"xatol": _SAME_RAMP},
     )  # fmt: skip
-    return min((steepest, gentler(float(found.x)), gentler(grid[best]), plan), key=needed)
+    return float(np.exp(found.x)) if found.fun < times[best] else float(grid[best])

@@ -453,13 +453,29 @@ def test_ramps_are_gentler_where_a_torque_decides(profile: Profile, jerk: float 
     found = shortest_stretch(point_to_point(A, B, law=TimeLaw(profile)), limits, APPENDIX_4)
     assert_at_its_limit(found, limits, APPENDIX_4)
     ramps, blends = (10, (0.4,)) if jerk is None else (6, (0.05, 0.2, 0.5))
+    assert_best_of_ramps(found, limits, APPENDIX_4, np.geomspace(0.02, 0.5, ramps), blends)
+
+
+def assert_best_of_ramps(
+    found: ShortestStretch, limits: MotionLimits, design: Design, ramps, blends
+) -> None:
+    profile = found.plan.curve.terms[0].law.profile
+    laws = [TimeLaw(profile, ramp, blend) for ramp in ramps for blend in blends]
     others = [
-        shortest_stretch(
-            point_to_point(A, B, law=TimeLaw(profile, ramp, blend)), limits, APPENDIX_4,
-            reshape=False,
-        ).plan.duration
-        for ramp in np.geomspace(0.02, 0.5, ramps)
-        for blend in blends
-    ]  # fmt: skip
+        shortest_stretch(point_to_point(A, B, law=law), limits, design, reshape=False).plan.duration
+        for law in laws
+    ]
     assert found.plan.duration <= min(others) * (1 + 1e-6)
     assert found.plan.duration >= 0.95 * min(others)
+
+
+@pytest.mark.slow
+def test_a_motor_that_is_too_slow_has_time_at_a_constant_speed() -> None:
+    """Where the jerk is limited as well, also beside a torque that is."""
+    slow = Drive(gear_ratio=2.0, transmission="screw", lead=0.005, top_speed=300.0)
+    design = replace(APPENDIX_4, drives=(None, None, None, slow))
+    for limits in (MotionLimits(jerk=50.0), MotionLimits(jerk=200.0, torque=6.0)):
+        plan = point_to_point(A, B, law=TimeLaw(Profile.S_CURVE))
+        found = shortest_stretch(plan, limits, design)
+        ramps, blends = np.linspace(0.2, 0.5, 4), (0.1, 0.5)
+        assert_best_of_ramps(found, limits, design, ramps, blends)
