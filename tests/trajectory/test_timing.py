@@ -477,5 +477,5 @@ def test_a_motor_that_is_too_slow_has_time_at_a_constant_speed() -> None:
     for limits in (MotionLimits(jerk=50.0), MotionLimits(jerk=200.0, torque=6.0)):
         plan = point_to_point(A, B, law=TimeLaw(Profile.S_CURVE))
         found = shortest_stretch(plan, limits, design)
-        ramps, blends = np.array([0.2, 0.35, 0.5]), (0.05, 0.2, 0.5)
+        ramps, blends = (0.2, 0.3, 0.45), (0.05, 0.2, 0.5)
         assert_best_of_ramps(found, limits, design, ramps, blends)
