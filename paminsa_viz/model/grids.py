@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import size_of
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arguments import of_design, of_geometry
 from paminsa_viz.model.arrays import Array, as_numbers, as_pose
@@ -146,7 +147,7 @@ class Field(OfLimits):
     leg: NDArray[np.int8]
     threads: int | None
     _solved: dict[Formula, Array] = field(repr=False)
-    _kept: dict[str, tuple[Any, Any]] = field(default_factory=dict, repr=False)
+    _kept: dict[str, tuple[Any, Any, int]] = field(default_factory=dict, repr=False)
 
     def solve(self, formula: Formula) -> Array:
         """Return the results of a formula, (results, ...); solved at the first call and kept."""
@@ -164,8 +165,17 @@ class Field(OfLimits):
         """
         found = self._kept.get(name)
         if found is None or found[0] != key:
-            found = self._kept[name] = (key, make())
+            value = make()
+            found = self._kept[name] = (key, value, size_of(value))
         return found[1]
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of what is known by now [bytes]."""
+        arrays = [self.status, self.leg, *self._solved.values()]
+        return sum(array.nbytes for array in arrays) + sum(
+            size for _, _, size in list(self._kept.values())
+        )
 
     @property
     def gamma(self) -> Array:

@@ -6,16 +6,16 @@ mass, a position, a reference or a choice of colors only rescales what is there.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.state.maps import MapView, RangeMode
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.grids import Field
 from paminsa_viz.plots.map_values import (
     COARSE,
@@ -39,13 +39,21 @@ DRAG_BUDGET = 0.1
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
 
+MOST_BYTES = 16 * 2**20
+"""How much the fields may take before those at another theta or z than the last are given up
+[bytes]. A full one takes 2 MB with torques and 27 MB with stiffness, which are solved anew with
+each theta and z."""
+
+_Asked = tuple[Geometry, float, float, int, float]
+"""What a field is solved for: theta [rad], z [m], cells along each side, half of one [m]."""
+
 
 class MapStore:
     """Makes the maps of one session and keeps the fields behind them. Safe to use from threads."""
 
     def __init__(self) -> None:
-        self._field = lru_cache(KEPT)(workspace_field)
-        self._outside = lru_cache(KEPT)(_outside_of)
+        self._lock = threading.Lock()
+        self._fields: dict[_Asked, tuple[Field, int]] = {}
         self._held: dict[tuple[tuple[str, ...], MapView], tuple[Scale, ...]] = {}
 
     def data(
@@ -91,17 +99,33 @@ class MapStore:
         document = state.document
         theta, z = document.pose[2:]
         budget = DRAG_BUDGET if cells <= COARSE else MAP_BUDGET
-        field = self._field(
+        asked = (
             design.geometry,
             theta,
             z,
             affordable_cells(quantities, cells, budget),
             frame_half(document.design.geometry, theta, z),
         )
+        known = self._fields.get(asked)
+        field = workspace_field(*asked) if known is None else known[0]
         data = map_data(field, design, document.pose, quantities)
-        if not hatched or not hatches(state, budget / field.status.size):
-            return data
-        return replace(data, outside=self._outside(field, design, document.requirements))
+        if hatched and hatches(state, budget / field.status.size):
+            data = replace(data, outside=_outside_of(field, design, document.requirements))
+        self._keep(asked, field)
+        return data
+
+    def _keep(self, asked: _Asked, field: Field) -> None:
+        """Keep a field, used last, with what has been solved by now; give up others."""
+        with self._lock:
+            self._fields.pop(asked, None)
+            self._fields[asked] = field, field.nbytes
+            waiting = list(self._fields)
+            for key in waiting[:-KEPT]:
+                del self._fields[key]
+            total = sum(size for _, size in self._fields.values())
+            for key in waiting[-KEPT:]:
+                if total > MOST_BYTES and key[1:3] != asked[1:3]:
+                    total -= self._fields.pop(key)[1]
 
     def scales(
         self,
@@ -138,9 +162,12 @@ class MapStore:
 
 
 def _outside_of(field: Field, design: Design, requirements: Requirements) -> Outside:
-    from paminsa_viz.explorer.core.causes import outside_of  # loads SciPy
+    def find() -> Outside:
+        from paminsa_viz.explorer.core.causes import outside_of  # loads SciPy
 
-    return outside_of(field, design, requirements)
+        return outside_of(field, design, requirements)
+
+    return field.keep("outside", (design, requirements), find)
 
 
 def hatches(state: State, cost: float) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -13,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.core import actions, causes
+from paminsa_viz.explorer.core import actions, causes, maps
 from paminsa_viz.explorer.core.maps import DRAG_BUDGET, KEPT, MapStore, go_to
 from paminsa_viz.explorer.features.requirements.actions import suggest
 from paminsa_viz.explorer.state.state import State, initial_state
@@ -159,6 +160,35 @@ def test_store_keeps_the_latest_fields_for_every_quantity(solved: list[int]) -> 
     assert len(solved) == KEPT + 1
     store.data(first, CELLS)
     assert len(solved) == KEPT + 2
+
+
+def test_large_fields_at_another_theta_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[weakref.ref[Any]] = []
+    real = maps.workspace_field
+
+    def followed(*asked: Any) -> Any:
+        field = real(*asked)
+        made.append(weakref.ref(field))
+        return field
+
+    def held() -> int:
+        """Return how much the fields take that have not been given up [bytes]."""
+        return sum(field.nbytes for one in made if (field := one()) is not None)
+
+    monkeypatch.setattr(maps, "workspace_field", followed)
+    store, state = MapStore(), suggest(at())
+    store.data(state, CELLS, ("stiffness_x",), hatched=True)
+    least = held()
+    assert least > 600 * CELLS**2
+    monkeypatch.setattr(maps, "MOST_BYTES", 2 * least)
+    for theta in (0.1, 0.2, 0.3):
+        store.data(actions.move(state, theta=theta), CELLS, ("stiffness_x",), hatched=True)
+    assert len(made) == 4
+    assert least < held() <= maps.MOST_BYTES
+    monkeypatch.setattr(maps, "MOST_BYTES", 0)
+    for cells in (CELLS - 1, CELLS):  # both are at the last theta
+        store.data(actions.move(state, theta=0.4), cells, ("stiffness_x",))
+    assert [one() is not None for one in made] == [False] * 4 + [True] * 2
 
 
 def test_dragging_a_mass_solves_nothing_with_a_reference_at_both_resolutions(
