@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import io
+import subprocess
 import sys
 import threading
 import weakref
@@ -186,6 +187,24 @@ def test_a_token_is_needed_where_others_can_connect(options: dict, wanted: bool)
 def test_no_option_serves_others_without_a_token(options: dict) -> None:
     with pytest.raises(InvalidInput, match="--token"):
         AppOptions(token="off", **options)
+
+
+LOADED = """
+import sys
+from paminsa_viz.app import set_up_process
+set_up_process()
+from paminsa_viz.meshes import prepare
+from paminsa_viz.model import APPENDIX_4
+prepare(APPENDIX_4.geometry, fine=True)
+print(*(name for name in sys.modules if name.startswith("networkx.")))
+"""
+
+
+@pytest.mark.slow
+def test_a_server_makes_bodies_without_what_trimesh_alone_would_load() -> None:
+    command = [sys.executable, "-c", LOADED]
+    made = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    assert made.stdout.strip() == ""
 
 
 @pytest.mark.parametrize("pages", [0, -1, program.MOST_PAGES + 1])
