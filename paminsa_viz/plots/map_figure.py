@@ -25,7 +25,7 @@ from paminsa_viz.plots.formats import (
     drawing_lock,
     figure_file,
 )
-from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, map_layout
+from paminsa_viz.plots.map_layout import PAGE_EM, MapLayout, Rectangle, map_layout
 from paminsa_viz.plots.map_panel import MapPanel, add_color_bar, common_lines
 from paminsa_viz.plots.map_values import MapData
 from paminsa_viz.plots.ranges import per_panel
@@ -38,6 +38,9 @@ TORQUE_SYMBOLS = tuple(quantity.symbol for quantity in find((*TORQUES, "f_4")))
 
 _KEPT = 3  # live figures: idle, dragging, and one to go back to
 _KEPT_SCALES = 8  # color bars of one live figure; a drag to and fro meets a few scales again
+
+_Piece = tuple[tuple[slice, slice], NDArray[np.uint8]]
+"""A piece of a picture: its rows and columns, and its pixels, RGBA."""
 
 
 class LiveMaps:
@@ -104,31 +107,49 @@ class _LiveFigure:
         ]
         self._canvas.draw()
         self._frame = self._canvas.copy_from_bbox(self._page.bbox)
-        self._backgrounds: OrderedDict[tuple[Scale, ...], Any] = OrderedDict()
+        self._bars: OrderedDict[tuple[Scale, ...], list[_Piece]] = OrderedDict()
 
     def draw(
         self, data: MapData, scales: tuple[Scale, ...], path: FloorPath | None
     ) -> NDArray[np.uint8]:
         canvas: Any = self._canvas
-        background = self._backgrounds.pop(scales, None)
-        if background is None:
-            canvas.restore_region(self._frame)
-            for scale, place in zip(scales, self._layout.bars, strict=False):
-                bar = add_color_bar(self._page, data, scale, self._layout, place, self._theme)
-                bar.draw(canvas.get_renderer())
-                bar.remove()
-            background = canvas.copy_from_bbox(self._page.bbox)
-            if len(self._backgrounds) == _KEPT_SCALES:
-                self._backgrounds.popitem(last=False)
-        self._backgrounds[scales] = background
-        canvas.restore_region(background)
+        canvas.restore_region(self._frame)
         pixels = np.asarray(canvas.buffer_rgba())
+        bars = self._bars.pop(scales, None)
+        if bars is None:
+            places = zip(scales, self._layout.bars, strict=False)
+            bars = [self._draw_bar(pixels, data, *one) for one in places]
+            if len(self._bars) == _KEPT_SCALES:
+                self._bars.popitem(last=False)
+        else:
+            for part, piece in bars:
+                pixels[part] = piece
+        self._bars[scales] = bars
         common = common_lines(data, path)
         for panel, scale in zip(self._panels, scales, strict=True):
             panel.paint_cells(pixels, data, scale)
             panel.show_lines(common | panel.contours(data, scale))
             panel.draw(canvas.get_renderer())
         return pixels[..., :3].copy()
+
+    def _draw_bar(
+        self, pixels: NDArray[np.uint8], data: MapData, scale: Scale, place: Rectangle
+    ) -> _Piece:
+        """Draw a color bar, and return the piece of the picture that it has changed."""
+        whole = pixels.view(np.uint32)[..., 0]  # four bytes at once
+        before = whole.copy()
+        bar = add_color_bar(self._page, data, scale, self._layout, place, self._theme)
+        bar.draw(self._canvas.get_renderer())
+        bar.remove()
+        changed = whole != before
+        part = _span(changed.any(axis=1)), _span(changed.any(axis=0))
+        return part, pixels[part].copy()
+
+
+def _span(flags: NDArray[np.bool_]) -> slice:
+    """Return the range from the first to the last that is set."""
+    found = np.flatnonzero(flags)
+    return slice(found[0], found[-1] + 1) if found.size else slice(0)
 
 
 @kinds_checked

@@ -108,6 +108,18 @@ def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread(
     assert not np.shares_memory(kept[0], maps.draw(*requests[0]))
 
 
+@pytest.mark.parametrize("panels", [1, 3])
+def test_of_a_scale_only_its_color_bars_are_kept(panels: int) -> None:
+    maps, data = LiveMaps(), made_up(panels=panels)
+    for i in range(4):
+        scales = [Scale(-1.5 - i - panel / 9, 1.5 + i) for panel in range(panels)]
+        picture = maps.draw(data, scales, 600)
+    (figure,) = maps._figures.values()
+    kept = [sum(piece.nbytes for _, piece in bars) for bars in figure._bars.values()]
+    assert len(kept) == 4
+    assert 0 < max(kept) < picture.nbytes / 3
+
+
 def test_a_motion_is_drawn_inside_every_map() -> None:
     data = made_up()
     plain, drawn = live(data, SCALES, 900), live(data, SCALES, 900, path=PATH)
