@@ -368,6 +368,18 @@ REACHED = """([what, beyond]) => [...document.querySelectorAll(what)]
   })"""
 """Whether what is some pixels below each of these belongs to it."""
 
+TAB_LOOK = """tab => {
+  const row = tab.parentElement;
+  const others = [...row.children].filter(one => one !== tab);
+  const look = one => getComputedStyle(one);
+  return {
+    weight: look(tab.querySelector("*")).fontWeight, position: look(row).position,
+    open: others.every(one => look(one).color !== look(tab).color),
+    row: Math.abs(row.lastElementChild.getBoundingClientRect().right - innerWidth) < 20,
+  };
+}"""
+"""How an open tab looks: heavier, in another color, in a row that is as wide as the window."""
+
 
 def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
     open_tab: Callable[..., Tab],
@@ -379,6 +391,11 @@ def test_phone_shows_the_robot_above_controls_that_are_as_wide_as_the_window(
         "xpath=ancestor::div[contains(@style, 'width: 20em')]"
     )
     assert [each.bounding_box()["width"] for each in box.all()] == [390, 390]
+    rows = {name: tab.page.get_by_role("tab", name=name, exact=True) for name in ("Robot", "Pose")}
+    looks = {name: row.evaluate(TAB_LOOK) for name, row in rows.items()}
+    weights = {name: look.pop("weight") for name, look in looks.items()}
+    assert weights == {"Robot": "600", "Pose": "400"}, "workspaces do not stand out"
+    assert looks["Robot"] == looks["Pose"] == {"open": True, "position": "static", "row": True}
     assert box.first.bounding_box()["height"] <= SHEET_SHARE * 844 + 1
     touch = tab.page.context.new_cdp_session(tab.page)
     touch.send("Emulation.setTouchEmulationEnabled", {"enabled": True})

@@ -55,8 +55,6 @@
 
   // What is found, how many levels above it the mark is put, and its name. One level above a text
   // is its entry, two is the container of the entry.
-  const FIRST_TABS = ["Robot", "Pose", "Path", "Loads", "Requirements", "Logs"]
-    .map((name) => `[role="tab"][title="${name}"]`).join();
   const MARKS = [
     [".pv-strip", 1, "strip"],
     [".pv-heading", 1, "heading"],
@@ -79,16 +77,23 @@
     [".paminsa-playback", 2, "playback"],
     [".paminsa-limits", 2, "limits"],
     ['[data-testid="motion-points"]', 2, "motion-points"],
-    ['[role="tab"][title="Robot"]', 1, "workspaces"],
-    [FIRST_TABS, 1, "tabs"],
-    ['[role="tab"][title="Manufacture"]', 1, "inner-tabs"],
-    ['[role="tab"][title="Torque maps"]', 1, "dock-tabs"],
     ["p > label[for]", 2, "label"],
     ["p > label[for]", 3, "row"],
     ["p > label[for]:empty", 2, "no-label"],
   ];
   for (const [selector, levels, name] of MARKS)
     watch(selector, (found) => mark(above(found, levels), name, found));
+
+  // Rows of tabs, by the name of one of them: on a phone they have no title.
+  const ROWS_OF_TABS = { Robot: "workspaces", Manufacture: "inner-tabs", "Torque maps": "dock-tabs" };
+  const FIRST_TABS = ["Robot", "Pose", "Path", "Loads", "Requirements", "Logs"];
+  const nameOf = (tab) => tab.title || tab.textContent.trim();
+  const isFirst = (tab) => FIRST_TABS.includes(nameOf(tab));
+  watch('[role="tab"]', (tab) => {
+    const name = ROWS_OF_TABS[nameOf(tab)];
+    if (name) mark(tab.parentElement, name, tab);
+    if (isFirst(tab)) mark(tab.parentElement, "tabs", tab);
+  });
 
   // Rows of inputs, and the entries they are in, by what they hold.
   const ROWS = { checkbox: '[type="checkbox"]', slider: '[role="slider"]', number: ".mantine-NumberInput-root" };
@@ -107,12 +112,13 @@
     const { height } = target.getBoundingClientRect(); // rounded up, it would leave a gap
     document.documentElement.style.setProperty("--pv-strip-height", `${Math.floor(height)}px`);
   });
-  watch(`.pv-strip, ${FIRST_TABS}`, () => {
+  watch('.pv-strip, [role="tab"]', (found) => {
     // All of them each time: a slow page can bring tabs before the strip.
+    if (found.matches('[role="tab"]') && !isFirst(found)) return;
     const strip = document.querySelector(".pv-strip");
     const view = strip?.closest(".mantine-ScrollArea-viewport");
     if (!view) return;
-    for (const part of [strip, ...view.querySelectorAll(FIRST_TABS)]) {
+    for (const part of [strip, ...[...view.querySelectorAll('[role="tab"]')].filter(isFirst)]) {
       const first = part === strip ? part.parentElement : above(part, 2);
       for (let box = first; box !== view; box = box.parentElement) mark(box, "around-strip", part);
     }
