@@ -292,6 +292,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     figure.text(2.0 / width, (bottom - legend_height - 1.0) / height, "\n".join(below),
                 size=small, linespacing=1.1, color=_CAPTION, va="top")  # fmt: skip
     arrange(figure, layout)
+    figure.align_ylabels()
     _shrink_notes(figure, small)
     return figure
 

@@ -217,6 +217,11 @@ def test_texts_are_inside_the_figure_and_do_not_overlap(
             figure.draw_without_rendering()
         found = _texts(figure)
         right, top = figure.bbox.max
+    columns: dict[float, set[float]] = {}
+    for area in figure.axes:
+        place = area.yaxis.label.get_position()[0]
+        columns.setdefault(round(area.get_position().x0, 6), set()).add(round(place, 2))
+    assert all(len(places) == 1 for places in columns.values()), "labels of axes are not in line"
     assert int(right) == round(width / 25.4 * 150)
     assert top < PAGE * 150
     for words, box in found:
