@@ -12,6 +12,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
+
 from paminsa_viz.codegen.javascript import FLOOR_MOD, JavaScript
 from paminsa_viz.codegen.printer import Printer
 from paminsa_viz.dimensions.layout import frame_lengths, platform_range
@@ -43,6 +45,7 @@ from paminsa_viz.model.parameters import possible_range
 from paminsa_viz.model.reach import MARGINS
 from paminsa_viz.old_names import KNEES
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme
+from paminsa_viz.plots import colors
 from paminsa_viz.units import symbols_html
 from paminsa_viz.version import MADE_BY
 
@@ -153,6 +156,7 @@ def _data(document: Document) -> dict[str, Any]:
         "grain": grain(state.document.design.geometry),
         "leastSteps": LEAST_STEPS,
         "limits": [limit.label for limit in MARGINS],
+        "colors": _map_colors(),
         "motions": motions_data(),
         "meshes": pack_bodies(document.design.geometry),
         "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],
@@ -171,6 +175,13 @@ def _data(document: Document) -> dict[str, Any]:
         "softwareRenderers": SOFTWARE_RENDERERS,
         "onlyServed": ONLY_SERVED,
     }
+
+
+def _map_colors() -> str:
+    """Return the colors of maps of torques in hexadecimal: below the range, in it, beyond it."""
+    below, beyond = colors.BEYOND[colors.DIVERGING]
+    inside = np.rint(255 * colors.table(colors.DIVERGING)).astype(np.uint8).tobytes().hex()
+    return f"{below[1:]}{inside}{beyond[1:]}"
 
 
 def _slider(entry: Slider, state: State) -> dict[str, Any]:

@@ -17,8 +17,9 @@ const contextOf = (canvas) => {
   return { context, width, height };
 };
 
-const COLD = [33, 102, 172];
-const HOT = [178, 24, 43];
+/** The colors of the served page's maps, three bytes each: below the range, in it, beyond it. */
+const COLORS = Uint8Array.from(PAGE.colors.match(/../g), (byte) => parseInt(byte, 16));
+const STEPS = COLORS.length / 3 - 2;
 
 /**
  * Return the torque at the ends of the colors: three times that of the middle cell [N m]. What
@@ -38,12 +39,11 @@ const pictureOf = (values, n, limit) => {
   for (let index = 0; index < n * n; index++) {
     const value = values[index];
     if (!Number.isFinite(value)) continue;
-    const share = Math.max(-1, Math.min(1, value / limit));
-    const end = share < 0 ? COLD : HOT;
+    const step = Math.floor(0.5 * STEPS * (value / limit + 1));
+    const color = 3 * (1 + Math.max(-1, Math.min(STEPS, step)));
     const row = n - 1 - Math.floor(index / n);
     const place = 4 * (row * n + index % n);
-    for (let part = 0; part < 3; part++)
-      picture.data[place + part] = 247 + (end[part] - 247) * Math.abs(share);
+    for (let part = 0; part < 3; part++) picture.data[place + part] = COLORS[color + part];
     picture.data[place + 3] = 255;
   }
   return picture;

@@ -15,6 +15,7 @@ from paminsa_viz.explorer.core.persistence import share_code
 from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.palette import LIGHT, rgb
+from paminsa_viz.plots import colors
 from paminsa_viz.webpage import code_page
 from tests.explorer.features.one_file.opened import OTHER, START, Opened
 from tests.explorer.test_page_sections import CHECK, RULES
@@ -216,6 +217,28 @@ def test_without_webgl_a_line_says_so(opened: Opened) -> None:
     assert "N·m" in page.get_by_test_id("actuators").inner_text()
     page.close()
     assert errors == []
+
+
+PICTURE = """([values, limit]) => {
+  const {data} = pictureOf(values, Math.sqrt(values.length), limit);
+  return values.map((_, index) => [...data.slice(4 * index, 4 * index + 4)]);
+}"""
+"""Colors of a map's cells; its first row is the lowest of the picture."""
+
+
+def test_maps_have_the_colors_of_the_served_page(opened: Opened) -> None:
+    inside, (below, beyond) = colors.table(colors.DIVERGING), colors.BEYOND[colors.DIVERGING]
+    values = [-30.0, -19.99, -0.01, 0.01, 19.99, 30.0, 10.05, float("nan"), 20.01]
+    cells = opened.page.evaluate(PICTURE, [values, 20.0])
+    found = dict(zip([*values[6:], *values[3:6], *values[:3]], cells, strict=True))
+    for value, color in (
+        (-30.0, below), (30.0, beyond), (20.01, beyond),
+        (-19.99, inside[0]), (-0.01, inside[127]), (0.01, inside[128]), (19.99, inside[255]),
+        (10.05, inside[192]),
+    ):  # fmt: skip
+        given = rgb(color) if isinstance(color, str) else np.rint(255 * color)
+        np.testing.assert_array_equal(found[value], [*given, 255], str(value))
+    assert cells[1][3] == 0, "a cell that cannot be reached is clear"
 
 
 CIRCLE = """(ground) => {
