@@ -6,7 +6,9 @@ import codecs
 import json
 import logging
 import re
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -24,7 +26,7 @@ from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
 from paminsa_viz.progress import Progress
 from paminsa_viz.report.request import ReportRequest
-from paminsa_viz.units import NONE
+from paminsa_viz.units import NONE, TIE, tied
 from paminsa_viz.version import COMMAND, MADE_BY
 
 if TYPE_CHECKING:
@@ -175,14 +177,25 @@ def print_blocks(blocks: Iterable[Block]) -> None:
         if isinstance(before, Table) or (before is not None and isinstance(block, Table)):
             print()
         if isinstance(block, Note):
-            print(ascii_numbers(block.text))
+            _print_text(block.text)
         else:
             _print_report_table(block)
 
 
+def _print_text(text: str) -> None:
+    """Print a text; in a terminal no line ends in a word, or between a number and its unit."""
+    if not sys.stdout.isatty():
+        print(ascii_numbers(text))
+        return
+    width = shutil.get_terminal_size().columns
+    words = ascii_numbers(tied(text))
+    lines = textwrap.wrap(words, width, break_long_words=False, break_on_hyphens=False)
+    print("\n".join(lines).replace(TIE, " "))
+
+
 def _print_report_table(table: Table) -> None:
     if table.caption:
-        print(ascii_numbers(table.caption))
+        _print_text(table.caption)
     lines = [("", *map(ascii_numbers, table.head))] if any(table.head) else []
     for row in table.rows:
         mark = "*" if row.kind == "marked" else ""

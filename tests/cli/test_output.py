@@ -139,6 +139,25 @@ def test_json_is_utf_8_whatever_the_encoding_of_the_output(monkeypatch, encoding
     assert ("θ" in raw.getvalue().decode("utf-8")) == (encoding == "utf-8")
 
 
+def test_no_line_of_a_terminal_ends_in_a_word_or_between_a_number_and_its_unit(
+    capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocks = [
+        Note("It comes nearest to a limit at −1.236 mm, z −20.5 mm off; " * 4 + "that is all.")
+    ]
+    print_blocks(blocks)
+    whole = capsys.readouterr().out
+    assert whole.count("\n") == 1, "programs get one line"
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    for width in range(20, 60):
+        monkeypatch.setenv("COLUMNS", str(width))
+        print_blocks(blocks)
+        lines = capsys.readouterr().out.splitlines()
+        assert " ".join(lines) == whole.strip()
+        assert max(map(len, lines)) <= width
+        assert not any(line.startswith(("mm", "-20.5")) for line in lines)
+
+
 def test_blocks_are_lines_with_columns_and_marks(capsys: Any) -> None:
     rows = (Row(("one", "−1.5·10⁻⁷"), "marked"), Row(("another", "2")))
     print_blocks([Note("“first”"), Note("one’s"), Table(("", "θ [″]"), rows, "Values ≤ 3.")])
