@@ -20,6 +20,7 @@ from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.core.docks import left_dock
 from paminsa_viz.explorer.core.workspaces import view_of
 from paminsa_viz.explorer.tabs import WORKSPACES
+from paminsa_viz.units import TIE
 from tests.support.desk import input_labeled
 
 FLAGS = [
@@ -358,8 +359,8 @@ class Tab:
         until(lambda: found.get_attribute("aria-selected") == "true", f"{beside} beside {name}")
 
     def text(self, test_id: str) -> str:
-        """Return the text of a readout."""
-        return self.page.get_by_test_id(test_id).inner_text()
+        """Return the text of a readout, with plain spaces."""
+        return self.page.get_by_test_id(test_id).inner_text().replace(TIE, " ")
 
     def torques(self) -> np.ndarray:
         """Return the torques and the force of M1..M4 in the readout."""
