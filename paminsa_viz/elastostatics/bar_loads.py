@@ -149,7 +149,9 @@ def largest_value(places: Array, coefficients: Array) -> tuple[Array, Array]:
     values = values.reshape(math.prod(values.shape[:2]), *values.shape[2:])
     reached = (start[:-1] + x).reshape(values.shape)
     sizes = np.abs(values)
-    best = (sizes >= (1.0 - ALIKE) * sizes.max(axis=0)).argmax(axis=0)[None]
+    # a NaN is the largest, as of `max`
+    largest = np.isnan(sizes) | (sizes >= (1.0 - ALIKE) * sizes.max(axis=0))
+    best = largest.argmax(axis=0)[None]
     return (
         np.take_along_axis(values, best, axis=0)[0],
         np.take_along_axis(reached, best, axis=0)[0],
