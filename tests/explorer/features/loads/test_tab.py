@@ -26,7 +26,7 @@ from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.state.view import Appearance
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.model.singularity import singular_rotation
-from paminsa_viz.units import number
+from paminsa_viz.units import number, tied_html
 from tests.support.desk import desk_with
 from tests.support.samples import prototype_times
 
@@ -130,7 +130,7 @@ def test_motion_played_for_ever_takes_numbers_and_charts_along(server: viser.Vis
         desk.until(lambda: intro.content != first)
         desk.dispatch(lambda state: play(state, 1e-9))  # it stays where it is, to be compared
         desk.dispatch(lambda state: actions.vary(state, {"payload.mass": 2.0}))
-        desk.until(lambda: joints.content == tab.joints(compute(desk.state)))
+        desk.until(lambda: joints.content == tied_html(tab.joints(compute(desk.state))))
         drawn.clear()
         desk.dispatch(lambda state: replace(state, appearance=Appearance.DARK))
         desk.until(lambda: drawn)
