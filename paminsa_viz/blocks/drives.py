@@ -156,14 +156,14 @@ def facts_table(one: DriveFigures) -> Table:
     fit = "no ratio fits" if math.isnan(low) else f"{number(low, 3)} to {number(high, 3)} fit"
     cells = [
         row("RMS torque", one.rms, drive.rated_torque, "N·m"),
-        row("peak torque", one.peak, drive.corners[0][1], "N·m"),
-        ("envelope", percent(one.envelope), "largest share of it used"),
-        row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
-        ("peak power", f"{number(one.top_power, 3)} W", ""),
-        ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
-        ("winding", winding_text(one), "temperature rise"),
-        ("gear ratio", f"{drive.gear_ratio:g}", fit),
-        ("one count", count, "of the encoder"),
+        row("Peak torque", one.peak, drive.corners[0][1], "N·m"),
+        ("Envelope", percent(one.envelope), "largest share of it used"),
+        row("Top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
+        ("Peak power", f"{number(one.top_power, 3)} W", ""),
+        ("Inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
+        ("Winding", winding_text(one), "temperature rise"),
+        ("Gear ratio", f"{drive.gear_ratio:g}", fit),
+        ("One count", count, "of the encoder"),
     ]
     return Table(("",) * 3, rows(*cells), literal=True)
 

@@ -51,7 +51,7 @@ LEGS = (0, 1, 2)
 SUBSCRIPTS = "₁₂₃"
 
 _HINTS = {
-    "equivalent": "constant force with the same wear", "use": "stress over yield stress, σ/R_p",
+    "Equivalent": "constant force with the same wear", "Use": "stress over yield stress, σ/R_p",
 }  # fmt: skip
 
 _JOINT_LABELS = rows(*((joint.label,) for joint in JOINTS))
@@ -127,7 +127,7 @@ def motion_blocks(loads: MotionLoads) -> list[Table]:
         "load, the constant force with the same wear: weighted by relative rotation with exponent "
         "3."
     )
-    units = {"peak": "N", "at": "s", "RMS": "N", "equivalent": "N"}
+    units = {"Peak": "N", "At": "s", "RMS": "N", "Equivalent": "N"}
     return [
         _of_legs(caption, ("Joint",), _JOINT_LABELS, units, np.stack(kinds, axis=-1)),
         bars_table(loads.bar_peak, loads.utilization.max(axis=0)),
@@ -157,7 +157,7 @@ def bars_table(inner: ArrayLike, use: ArrayLike) -> Table:
     """Return the largest loads (3 legs, bars, 3) in the bars, and their utilization (3, bars)."""
     values = np.concatenate([np.asarray(inner), np.asarray(use)[..., None]], axis=-1)
     units: dict[str, str] = dict(zip(COMPONENTS, ("N", "N", "N m"), strict=True))
-    units["use"] = "1:%"
+    units["Use"] = "1:%"
     caption = "Largest forces N, V and moments M along the bars, and stress over yield stress."
     labels = rows(*((BAR_NAMES[bar],) for bar in BARS))
     return _of_legs(caption, ("Bar",), labels, units, values)

@@ -135,26 +135,26 @@ def test_drives_of_a_design_and_whether_they_keep_up(monkeypatch: pytest.MonkeyP
 def test_what_a_drive_gives_beside_its_limits() -> None:
     rows = {label: rest for label, *rest in cells(facts_table(on_a_load()))}
     assert rows == {
-        "RMS torque": ["1.5 N·m", "75 % of 2"], "peak torque": ["3 N·m", "60 % of 5"],
-        "envelope": ["60 %", "largest share of it used"],
-        "top speed": ["954.9 rpm", "25 % of 3820"],
-        "peak power": ["222 W", ""], "inertia ratio": ["4.5", "robot over motor"],
-        "winding": ["32 %", "temperature rise"], "gear ratio": ["50", "20 to 80 fit"],
-        "one count": ["130 µrad", "of the encoder"],
+        "RMS torque": ["1.5 N·m", "75 % of 2"], "Peak torque": ["3 N·m", "60 % of 5"],
+        "Envelope": ["60 %", "largest share of it used"],
+        "Top speed": ["954.9 rpm", "25 % of 3820"],
+        "Peak power": ["222 W", ""], "Inertia ratio": ["4.5", "robot over motor"],
+        "Winding": ["32 %", "temperature rise"], "Gear ratio": ["50", "20 to 80 fit"],
+        "One count": ["130 µrad", "of the encoder"],
     }  # fmt: skip
     free = replace(MOTOR, rated_torque=None, peak_torque=None, top_speed=None, encoder_counts=None)
     rows = {
         label: rest
         for label, *rest in cells(facts_table(on_a_load(drive=free, ratios=(math.nan,) * 2)))
     }
-    for label in ("RMS torque", "peak torque", "top speed"):
+    for label in ("RMS torque", "Peak torque", "Top speed"):
         assert rows[label][1] == ""
-    assert rows["top speed"][0] == "955 rpm"
-    assert rows["one count"][0] == NONE
-    assert rows["gear ratio"][1] == "no ratio fits"
+    assert rows["Top speed"][0] == "955 rpm"
+    assert rows["One count"][0] == NONE
+    assert rows["Gear ratio"][1] == "no ratio fits"
     screw = replace(MOTOR, transmission="screw", lead=0.02)
     rows = {label: rest for label, *rest in cells(facts_table(on_a_load(drive=screw)))}
-    assert rows["one count"][0] == "0.4 µm"  # 20 mm / 50 / 1000
+    assert rows["One count"][0] == "0.4 µm"  # 20 mm / 50 / 1000
 
 
 def test_limits_of_a_drive_whose_torque_falls() -> None:
@@ -164,9 +164,9 @@ def test_limits_of_a_drive_whose_torque_falls() -> None:
     )
     table = facts_table(on_a_load(drive=falling, top_power=222.22, inertia_ratio=4.56789))
     rows = {label: rest for label, *rest in cells(table)}
-    assert rows["peak torque"][1] == "50 % of 6"
-    assert rows["top speed"][1] == "20 % of 4775"
-    assert (rows["peak power"][0], rows["inertia ratio"][0]) == ("222 W", "4.57")
+    assert rows["Peak torque"][1] == "50 % of 6"
+    assert rows["Top speed"][1] == "20 % of 4775"
+    assert (rows["Peak power"][0], rows["Inertia ratio"][0]) == ("222 W", "4.57")
     assert table.literal
 
 
