@@ -80,7 +80,7 @@ def test_a_mode_is_animated_and_a_diameter_changes_its_frequency(tab: Tab) -> No
 
     until(moves, "the mode swings")
     assert all(-1 <= weight <= 1 for weight in seen)
-    tab.page.get_by_text("Tubes", exact=True).click()
+    tab.unfold("Tubes")
     field = tab.number_box("B4 outer ⌀ [mm]")
     field.fill("60")
     field.press("Tab")
@@ -188,7 +188,7 @@ def test_bounds_are_typed_in_the_table(tab: Tab) -> None:
 def test_the_largest_workspace_is_proven_and_used(tab: Tab) -> None:
     ask(tab)
     tab.open_tab("Requirements")
-    tab.page.get_by_text("Largest workspace", exact=True).click()
+    tab.unfold("Largest workspace")
     tab.click("Find the largest")
     until(lambda: tab.state.requirements.largest.outcome is not None, "a proof", COMPUTING)
     proven = tab.state.requirements.largest.proven

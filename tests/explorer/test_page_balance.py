@@ -49,7 +49,7 @@ def test_infeasible_bounds_are_shown_and_relaxed_ones_solved(balance: Tab) -> No
         balance.dispatch(lambda s: balancing.change_settings(s, **slots))
 
     limit(0.5)
-    balance.page.get_by_text("Optimization settings", exact=True).click()
+    balance.unfold("Optimization settings")
     balance.click("Optimize")
     until(lambda: balance.state.balance.outcome is not None, "the task is done", COMPUTING)
     status = balance.page.get_by_test_id("balance-status")

@@ -235,10 +235,8 @@ def test_nothing_is_cut_off(tab: Tab) -> None:
         tab.open_tab(name)
         groups = [group for group in GROUPS if group.tab == name]
         for group in groups:
-            if not group.open:  # once what unfolds above it has come to rest
-                title = tab.page.get_by_text(group.title, exact=True).last
-                tab.steady_box(title)
-                title.click()
+            if not group.open:
+                tab.unfold(group.title)
             labels = [label_of(parameter) for parameter in group.parameters]
             uuids = [tab.handle(label)._impl.uuid for label in labels]
 
@@ -288,9 +286,7 @@ def test_switches_of_torque_maps_do_not_cover_each_other(tab: Tab, width: int) -
 def test_switches_of_layers_are_below_each_other_in_two_columns(tab: Tab) -> None:
     tab.page.get_by_role("tab", name="View").click()
     for name in list(grouped_layers())[1:]:
-        title = tab.page.get_by_text(name, exact=True).locator("visible=true").last
-        tab.steady_box(title)
-        title.click()
+        tab.unfold(name)
     layers = {layer.label for layer in LAYERS.values()}
 
     def boxes() -> Any:

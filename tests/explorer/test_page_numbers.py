@@ -231,7 +231,7 @@ def test_a_number_longer_than_its_box_is_shown_shorter_and_edited_as_it_is(tab: 
     first = {"inertias.b3_axial": 3.8e-8, "elastic.drive_linear": 1e17, "links.b1": 0.0012}
     tab.dispatch(lambda s: actions.vary(s, first))
     tab.open_tab("Masses")
-    tab.page.get_by_text("Inertias of the links", exact=True).click()
+    tab.unfold("Inertias of the links")
 
     def box(path: str) -> Any:
         return tab.number_box(label(PARAMETER[path]))

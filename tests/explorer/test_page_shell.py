@@ -328,7 +328,7 @@ def test_symbols_of_buttons_lists_and_tooltips_are_set_as_those_of_labels(tab: T
     assert "as long as <i>l</i><sub>B10</sub>" in tooltip.inner_html()
     tab.open_tab("Errors")
     tab.open_tab("Manufacture")
-    tab.page.get_by_text("Deviations of each leg", exact=True).click()
+    tab.unfold("Deviations of each leg")
     tab.dispatch(lambda state: state.updated("monte_carlo.settings", length=9))
     chosen = tab.page.locator("input + .pv-symbol", has_text="leg axis from the base center")
     chosen.wait_for()
@@ -340,7 +340,7 @@ def test_symbols_of_buttons_lists_and_tooltips_are_set_as_those_of_labels(tab: T
 
 def test_name_with_a_symbol_switches_its_checkbox(tab: Tab) -> None:
     tab.open_tab("Balance")
-    tab.page.get_by_text("Optimization settings", exact=True).click()
+    tab.unfold("Optimization settings")
     before = tab.state.balance.settings.exact
     tab.page.locator(".pv-symbol", has_text="Only Mp2 = 0").click()
     until(lambda: tab.state.balance.settings.exact != before, "the switch of the name")

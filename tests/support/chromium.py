@@ -279,6 +279,14 @@ class Tab:
         self.steady_box(place)
         place.click()
 
+    def unfold(self, title: str) -> None:
+        """Open a folder that is seen; a test before on the same page may have left it open."""
+        head = self.page.get_by_role("button", name=title, exact=True).locator("visible=true").last
+        self.steady_box(head)
+        if head.get_attribute("aria-expanded") == "false":
+            head.click()
+        until(lambda: head.get_attribute("aria-expanded") == "true", f"{title} is unfolded")
+
     def click_in(self, place: Any, right: float = 0.5, down: float = 0.5) -> None:
         """Click into an element that stays where it is, at shares of its width and height."""
         box = self.steady_box(place)
