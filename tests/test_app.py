@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import io
+import json
 import subprocess
 import sys
 import threading
@@ -19,12 +20,15 @@ from paminsa_viz import kept
 from paminsa_viz.app import App, AppOptions
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer import page
-from paminsa_viz.explorer.core import actions
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.core import actions, tab_store
+from paminsa_viz.explorer.core.frame import Frame
 from paminsa_viz.explorer.core.saved_requirements import MOST_REQUIREMENTS
 from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.page import build
 from paminsa_viz.explorer.scene import cameras
 from paminsa_viz.explorer.server import memory
+from paminsa_viz.explorer.state.state import initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes import prepare
 from paminsa_viz.model import APPENDIX_4, backend
@@ -84,6 +88,38 @@ def test_results_that_only_a_closed_page_asked_for_are_not_kept() -> None:
         first = kept.kept_bytes()
         assert visit() > first + 100_000
         assert kept.kept_bytes() <= first
+    finally:
+        running.stop()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")
+def test_what_a_tab_has_kept_comes_while_the_page_is_drawn_and_is_not_written_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    saved: list[str] = []
+    monkeypatch.setattr(Bridge, "save", lambda bridge, text: saved.append(text))
+    stored = tab_store.dump(actions.move(initial_state(), x=-0.05))
+    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+    try:
+        page = RawPage(running.server)
+        session = eventually(lambda: running.sessions.get(page.client.client_id))
+
+        class Hello:
+            """The hello comes while a drawing goes on, before the tab's store has its turn."""
+
+            came = False
+
+            def draw(self, frame: Frame, dragging: bool) -> None:
+                if session.built.is_set() and not dragging and not self.came:
+                    self.came = True
+                    session.bridge._deliver("hello", stored)
+
+        session.fast.append(Hello())
+        session.bridge._deliver("late", None)
+        assert session.built.wait(60)
+        eventually(lambda: saved)
+        assert json.loads(saved[0])["pose"][0] == -0.05
     finally:
         running.stop()
 

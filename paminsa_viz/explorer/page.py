@@ -136,7 +136,9 @@ def build(
                 "restore", lambda state: tab_store.take(state, saved, opening), step=False
             )
             session.submit(announce)
-        elif session.built.is_set():  # too late: what was set meanwhile has to be kept
+        # In its turn: a drawing that goes on is of the state before.
+        session.submit(session.restored.set)
+        if session.built.is_set():  # too late: what was set meanwhile has to be kept
             session.dispatch("hello", replace, step=False)
 
     def announce() -> None:

@@ -86,9 +86,6 @@ class Bridge:
 
     With a viser that has moved what it needs, it reports so once, sends nothing, and says hello in
     the page's place: the page is then there, without what only its script can do.
-
-    Attributes:
-        greeted: Whether the hello has come, and with it what the tab has kept.
     """
 
     def __init__(
@@ -103,7 +100,6 @@ class Bridge:
         self._closed = closed
         self._listeners: dict[str, list[Callable[[Any], None]]] = {}
         self._last = 0
-        self.greeted = False
         self._lock = threading.Lock()
         self._inbox = client.gui.add_text("bridge", "", visible=False)
         self._inbox.on_update(self._receive)
@@ -214,7 +210,6 @@ class Bridge:
                 listener(data)
             except Exception:  # the messages that came with it are for others
                 log.exception("a message of the page could not be taken: %s", kind)
-        self.greeted = self.greeted or kind == "hello"
 
 
 def newest_value(handle: Any) -> Callable[[], Any]:

@@ -92,6 +92,7 @@ class Session:
         deferred: Views drawn last, in turns if new states come faster: maps and other figures.
         ground: Those of them that draw in the scene.
         built: Set when all of the page is there.
+        restored: Set when what the tab has kept is in the state, or it has kept nothing.
         window: Width and height of the browser's window [px].
         camera: The camera preset chosen last, and its position [m].
         motions: What is known along the motion; for the worker alone.
@@ -120,7 +121,7 @@ class Session:
         self.fast: list[View] = []
         self.deferred: list[View] = []
         self.ground: list[View] = []
-        self.built = threading.Event()
+        self.built, self.restored = threading.Event(), threading.Event()
         # Asked now: later the panels take their part of it.
         self.window = (float(client.camera.image_width), float(client.camera.image_height))
         self._page_height: float | None = None

@@ -202,8 +202,8 @@ class TabStore:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Save what has changed."""
         del frame  # while a search runs it may be of a robot that is not the document's
-        if not self._session.bridge.greeted:
-            return  # or what the tab has kept would be written over before it was sent
+        if not self._session.restored.is_set():
+            return  # or what the tab has kept would be written over before it was taken
         now = time.monotonic()
         if dragging and now - self._saved < SAVE_PERIOD:
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import threading
 from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
@@ -177,18 +178,20 @@ class Saver:
         self.paths: dict[str, str] = {"Masses": "Robot/Masses"}
         self.open_tabs: frozenset[str] | None = None
         self.bridge = SimpleNamespace(
-            save=self.saved.append, call=lambda *call: self.called.append(call), greeted=True
+            save=self.saved.append, call=lambda *call: self.called.append(call)
         )
+        self.restored = threading.Event()
+        self.restored.set()
 
 
-def test_nothing_is_written_over_what_a_tab_has_kept_before_that_was_sent() -> None:
+def test_nothing_is_written_over_what_a_tab_has_kept_before_that_was_taken() -> None:
     session = Saver(initial_state())
-    session.bridge.greeted = False
+    session.restored.clear()
     store = tab_store.TabStore(cast(Any, session))
     store.draw(cast(Any, None), False)
     assert not session.saved
     assert not session.called
-    session.bridge.greeted = True
+    session.restored.set()
     store.draw(cast(Any, None), False)
     assert session.saved == [tab_store.dump(session.state)]
 
