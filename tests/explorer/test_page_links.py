@@ -95,6 +95,21 @@ def test_address_follows_the_work_and_a_reload_keeps_more_than_it_says(tab: Tab)
     wait_followed(tab)
 
 
+def test_reload_that_loads_the_address_before_is_no_link(tab: Tab) -> None:
+    """A browser that reloads while the page writes its address may not know of the new one."""
+    wait_followed(tab)
+    before = tab.page.evaluate("location.hash")
+    tab.press("x  [mm]", "ArrowRight", 3)
+    tab.wait_saved()
+    wait_followed(tab)
+    work = tab.state.document
+    tab.page.evaluate("hash => history.replaceState(history.state, '', hash)", before)
+    tab.reload()
+    until(lambda: tab.state.document == work, "the work is back")
+    assert not tab.state.offered
+    wait_followed(tab)
+
+
 def test_link_in_a_tab_with_other_work_offers_that(tab: Tab) -> None:
     tab.dispatch(lambda state: actions.move(state, x=0.02))
     tab.wait_saved()

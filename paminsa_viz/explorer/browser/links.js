@@ -21,18 +21,21 @@
     }
     return /^\s*PMZ/.test(text) ? text : "";
   };
-  let written = null;
+  // The newest first. A reload just after an address was written may still load the one before.
+  const MOST = 3;
+  let written = [];
   try {
-    written = sessionStorage.getItem(KEY);
+    written = (sessionStorage.getItem(KEY) ?? "").split("\n");
   } catch (error) {
     console.warn(error);
   }
-  const foreign = () => (coded() === written ? "" : coded());
+  const isReload = performance.getEntriesByType("navigation")[0]?.type === "reload";
+  const foreign = (own) => (own.includes(coded()) ? "" : coded());
   const write = (hash) => {
     const { pathname, search } = window.location;
     window.history.replaceState(window.history.state, "", `${pathname}${search}${hash}`);
   };
-  let waiting = foreign();
+  let waiting = foreign(isReload ? written : written.slice(0, 1));
   let removed = window.location.hash;
   if (window.location.href.includes("#")) write(""); // one that nothing follows too
   const take = () => {
@@ -43,7 +46,7 @@
     return code;
   };
   window.addEventListener("hashchange", () => {
-    waiting = foreign();
+    waiting = foreign(written.slice(0, 1));
     window.paminsa?.openLink();
   });
 
@@ -52,11 +55,11 @@
   const follow = (code) => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      written = code;
+      written = [...new Set([code, ...written])].slice(0, MOST);
       try {
         write(`#${encodeURI(code)}`);
         wrote = true;
-        sessionStorage.setItem(KEY, code);
+        sessionStorage.setItem(KEY, written.join("\n"));
       } catch (error) {
         console.warn(error);
       }
