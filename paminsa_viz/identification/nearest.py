@@ -22,7 +22,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import PANTOGRAPH, SMALLEST, Friction, Parameter
+from paminsa_viz.model.parameters import PANTOGRAPH, Friction, Parameter
 
 SPREAD = 0.3
 """How far the designer's masses are believed to be off, as a share (one standard deviation)."""
@@ -34,7 +34,10 @@ UNTOLD = 0.9
 """Posterior over prior deviation from which on the log says nothing of a mass."""
 
 TINY = 1e-9
-"""Masses, inertias and friction below this are zero [SI]."""
+"""Share of how far a mass is believed to be off below which it is zero."""
+
+LIGHTEST = 1e-6
+"""Least share of the design's number that is left of a mass which cannot be zero."""
 
 
 @dataclass(frozen=True)
@@ -102,16 +105,15 @@ def nearest_masses(identification: Identification, spread: float = SPREAD) -> Ne
     deviation = _prior_deviation(paths, prior, spread)
     root, target = _told(identification)
     steps = _bounded(paths)  # masses = steps @ v with v at least 0, or what is refused as 0
-    least = np.array([SMALLEST if PARAMETER[path].positive else 0.0 for path in paths])
+    least = LIGHTEST * np.array([PARAMETER[path].positive for path in paths]) * prior
     inverse = np.diag(1 / deviation)
     left = np.concatenate([root @ columns @ steps, inverse @ steps]) * deviation
     right = np.concatenate([target - root @ fixed, prior / deviation])
     limits = (least / deviation, np.full(len(paths), np.inf))
     found = lsq_linear(left, right, limits, method="bvls", tol=1e-14)
     masses = steps @ (found.x * deviation)
-    masses = np.where(masses < TINY, 0.0, masses)
-    precise = (root @ columns).T @ (root @ columns) + inverse**2
-    posterior = np.sqrt(np.diag(np.linalg.inv(precise)))
+    masses = np.where(masses < TINY * deviation, least, masses)
+    posterior = deviation * _remaining(root @ columns * deviation)
     misfit = root @ (columns @ masses + fixed) - target
     return NearestMasses(
         design.vary(dict(zip(paths, masses.tolist(), strict=True))),
@@ -145,6 +147,18 @@ def _told(identification: Identification) -> tuple[Array, Array]:
     return root, target
 
 
+def _remaining(told: Array) -> Array:
+    """Return posterior over prior deviations, (n,), for rows (q, n) of unit noise on a unit prior.
+
+    From singular values: a log without noise tells 1e16 times what the prior does, and the sum of
+    both has no inverse then.
+    """
+    _, values, directions = np.linalg.svd(told)
+    left = np.ones(len(directions))
+    left[: len(values)] = 1 / np.hypot(1.0, values)
+    return np.asarray(np.linalg.norm(left[:, None] * directions, axis=0))
+
+
 def _prior_deviation(paths: list[str], prior: Array, spread: float) -> Array:
     groups = np.array([path.rpartition(".")[0] for path in paths])
     units = np.array([PARAMETER[path].unit for path in paths])
@@ -153,7 +167,7 @@ def _prior_deviation(paths: list[str], prior: Array, spread: float) -> Array:
         alike = prior[(groups == groups[place]) & (units == units[place])]
         positive = alike[alike > 0]
         typical = float(np.median(positive)) if positive.size else float(prior.max())
-        least[place] = SMALL * max(typical, TINY)
+        least[place] = SMALL * typical
     return spread * np.maximum(prior, least)
 
 
@@ -202,11 +216,11 @@ def _drive(
 ) -> Drive | None:
     """Return a drive with other friction, and another rotor where the inertia changes."""
     new = {"viscous": max(viscous, 0.0), "coulomb": max(coulomb, 0.0)}
-    if drive is None and not any(value > TINY for value in (*new.values(), inertia)):
+    if drive is None and not any(value > 0.0 for value in (*new.values(), inertia)):
         return None
     start = Drive(name="identified") if drive is None else drive
     new["viscous"] /= start.ratio**2
     new["coulomb"] /= start.ratio
     if inertia != before:
         new["rotor_inertia"] = max(inertia / start.ratio**2 - start.gear_inertia, 0.0)
-    return replace(start, **{name: value if value > 1e-12 else 0.0 for name, value in new.items()})
+    return replace(start, **new)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,6 +17,7 @@ from paminsa_viz.identification import (
     identify,
     nearest_masses,
 )
+from paminsa_viz.identification.base_parameters import mass_columns
 from paminsa_viz.identification.nearest import (
     MassEstimate,
     _drive,
@@ -24,9 +25,10 @@ from paminsa_viz.identification.nearest import (
     _told,
     _with_actuators,
 )
-from paminsa_viz.model import APPENDIX_4, Design, Friction
+from paminsa_viz.model import APPENDIX_4, Design, Friction, Geometry
 from paminsa_viz.model.design import PARAMETER
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import Counterweight
 from tests.support.identification_logs import simulated
 
@@ -74,6 +76,40 @@ def test_an_exact_log_of_the_design_returns_the_design() -> None:
     found = nearest_masses(identify(APPENDIX_4, log, QUICK))
     for item in found.masses:
         assert item.value == pytest.approx(item.prior, rel=0.02)
+
+
+def test_deviations_are_right_however_sure_a_log_is(identified: Any) -> None:
+    """Of one without noise only what is left beside the ten combinations that it tells counts.
+
+    It tells 1e16 times as much as the designer's word, and the sum of both has no inverse.
+    """
+    solution = identified.solution
+    spread = 1e-8 * (solution.without - solution.x)
+    sure = replace(identified, solution=replace(solution, without=solution.x + spread))
+    masses = nearest_masses(sure).masses
+    prior = np.array([item.prior_deviation for item in masses])
+    free = [MASS_PATHS.index(item.parameter.path) for item in masses]
+    told = np.linalg.svd(mass_columns(APPENDIX_4)[0][:, free] * prior)[2][:10]
+    left = prior * np.sqrt(1.0 - (told**2).sum(axis=0))
+    np.testing.assert_allclose([item.deviation for item in masses], left, rtol=1e-6)
+
+
+def test_masses_of_a_robot_a_hundredth_as_large_are_not_taken_for_zero() -> None:
+    """Its inertias are 1e-10 of the prototype's, and so is its friction."""
+    units = {"m": 1e-2, "kg": 1e-6, "kg m^2": 1e-10}
+    paths = [*(f"geometry.{item.name}" for item in fields(Geometry)), *MASS_PATHS]
+    sizes = {
+        path: BUILT.value(path) * units[PARAMETER[path].unit]
+        for path in paths
+        if path in PARAMETER and PARAMETER[path].unit and path != "geometry.guide_stroke"
+    }
+    small = replace(BUILT.vary(sizes), friction=Friction(0.3e-8, 0.4e-8, 20e-6, 8e-6, 1e-3))
+    found = nearest_masses(identify(small, simulated(1, small, rate=50.0, noise_seed=None), QUICK))
+    for item in found.masses:
+        assert item.value == pytest.approx(item.prior, rel=0.05)
+    viscous, coulomb, _ = found.design.actuator_friction
+    assert viscous == pytest.approx((0.3e-8,) * 3 + (20e-6,), rel=0.05)
+    assert coulomb == pytest.approx((0.4e-8,) * 3 + (8e-6,), rel=0.05)
 
 
 def test_a_payload_that_is_known_is_taken_off_what_the_log_says() -> None:
@@ -276,7 +312,7 @@ def test_the_nearest_masses_are_the_most_likely_ones_that_are_possible(identifie
                 2 * (masses[p].value - masses[p].prior) / masses[p].prior_deviation ** 2 * s / 1e-3
                 for p, s in step.items()
             ]
-            least = 1e-6 if path == "platform.mass" else 0.0  # a design needs a platform
+            least = 1e-6 * item.prior if path == "platform.mass" else 0.0  # a design needs one
             if path.endswith("_transverse"):
                 least = 0.5 * masses[path.replace("transverse", "axial")].value
             size = max(map(abs, [slope, *pull]), default=0.0) + 1e-9
@@ -316,8 +352,8 @@ def test_a_drive_gets_friction_and_inertia_at_its_own_shaft() -> None:
     assert same == replace(own, viscous=0.0, coulomb=0.0)
     less = _drive(own, 0.0, 0.0, 0.004, 0.048)
     assert less == replace(own, coulomb=0.0, rotor_inertia=0.0)
-    assert _drive(None, -1.0, 0.0, 1e-9, 0.0) is None
-    assert _drive(None, 0.0, 0.0, 1.05e-9, 0.0) is not None
+    assert _drive(None, -1.0, 0.0, 0.0, 0.0) is None
+    assert _drive(None, 0.0, 0.0, 1e-12, 0.0) is not None  # a small robot's
     for place in range(3):
         values = 0.5 * np.eye(3)[place]
         made = _drive(None, *values.tolist(), 0.0)
