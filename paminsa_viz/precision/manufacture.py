@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -73,15 +73,16 @@ class ToleranceErrors:
     """Errors at poses (...) in the order of `SIX_COORDINATES`; NaN where there are none.
 
     Attributes:
+        design: The robot.
         pose: (..., 4) [m, m, rad, m].
         worst: (..., 6) largest errors, by tolerances and clearances [m, m, rad, m, rad, rad].
         clearance: (..., 6) the part of the clearances in them.
         rms: (..., 6) standard deviations.
         horizontal, tilt: (...) largest distance in the plane [m] and largest tilt [rad].
         rms_horizontal, rms_tilt: (...) root mean squares of the same.
-        shares: (..., 6, 14) share of each length, of all legs, in the variance; they sum up to 1.
     """
 
+    design: Design
     pose: Array
     worst: Array
     clearance: Array
@@ -90,7 +91,14 @@ class ToleranceErrors:
     tilt: Array
     rms_horizontal: Array
     rms_tilt: Array
-    shares: Array
+
+    @cached_property
+    def shares(self) -> Array:
+        """Share of each length, of all legs, in the variance, (..., 6, 14); they sum up to 1.
+
+        They are worked out when asked for: over a map they take more memory than all else.
+        """
+        return in_blocks(lambda poses: [_shares(self.design, poses)], self.pose, BLOCK)[0]
 
 
 @of_design
@@ -107,7 +115,7 @@ def tolerance_errors(design: Design, pose: ArrayLike) -> ToleranceErrors:
         InvalidInput: If a shape is another one, or a value is not real.
     """
     pose = own_vectors(pose, "pose")
-    return ToleranceErrors(pose, *in_blocks(partial(_errors, design), pose, BLOCK))
+    return ToleranceErrors(design, pose, *in_blocks(partial(_errors, design), pose, BLOCK))
 
 
 def field_tolerance_errors(field: Field, design: Design) -> ToleranceErrors:
@@ -192,19 +200,12 @@ def equal_legs(design: Design) -> bool:
 @np.errstate(all="ignore")
 def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
     """Return the values of `ToleranceErrors` at poses (n, 4)."""
-    n = len(pose)
-    slopes = design_sensitivities(design, pose).lengths
-    slopes = np.where(check_reach(design.geometry, pose).ok[:, None, None, None], slopes, np.nan)
+    n, slopes = len(pose), _slopes(design, pose)
     tolerance = tolerance_widths(design.tolerances)
     clearance = clearance_widths(design.tolerances)
-    sizes = np.abs(slopes)
-    largest = sizes.max(axis=(2, 3), keepdims=True)
-    slopes = np.where(sizes < ROUNDING * largest, 0.0, slopes)
     sizes = np.abs(slopes).reshape(n, 6, tolerance.size)
-    variance = slopes**2 * ((tolerance**2 + clearance**2) / 3)
-    total = variance.sum(axis=(2, 3))
+    total = _variance(design, slopes).sum(axis=(2, 3))
     generators = (slopes * (tolerance + clearance)).reshape(n, 6, tolerance.size)
-    scale = np.where(total > 0, total, 1.0)
     return (
         sizes @ (tolerance + clearance).ravel(),
         sizes @ clearance.ravel(),
@@ -213,8 +214,30 @@ def _errors(design: Design, pose: Array) -> tuple[Array, ...]:
         longest_sum(generators[:, 4], generators[:, 5]),
         np.sqrt(total[:, 0] + total[:, 1]),
         np.sqrt(total[:, 4] + total[:, 5]),
-        variance.sum(axis=2) / scale[..., None],
     )
+
+
+@np.errstate(all="ignore")
+def _shares(design: Design, pose: Array) -> Array:
+    """Return `ToleranceErrors.shares` at poses (n, 4)."""
+    variance = _variance(design, _slopes(design, pose))
+    total = variance.sum(axis=(2, 3))
+    return variance.sum(axis=2) / np.where(total > 0, total, 1.0)[..., None]
+
+
+def _slopes(design: Design, pose: Array) -> Array:
+    """Return the derivatives by each leg's lengths at poses (n, 4), (n, 6, 3, 14)."""
+    slopes = design_sensitivities(design, pose).lengths
+    slopes = np.where(check_reach(design.geometry, pose).ok[:, None, None, None], slopes, np.nan)
+    sizes = np.abs(slopes)
+    return np.where(sizes < ROUNDING * sizes.max(axis=(2, 3), keepdims=True), 0.0, slopes)
+
+
+def _variance(design: Design, slopes: Array) -> Array:
+    """Return the variance by each leg's lengths, shape of ``slopes``."""
+    tolerance = tolerance_widths(design.tolerances)
+    clearance = clearance_widths(design.tolerances)
+    return slopes**2 * ((tolerance**2 + clearance**2) / 3)
 
 
 def longest_sum(x: Array, y: Array) -> Array:

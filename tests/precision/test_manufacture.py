@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import size_of
 from paminsa_viz.model import APPENDIX_4, solve_field, xy_grid
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision import manufacture
@@ -256,6 +257,10 @@ def test_fields_have_the_errors_of_their_poses() -> None:
     assert np.array_equal(found.worst, wanted.worst, equal_nan=True)
     assert np.array_equal(np.isnan(found.tilt), field.status != 0)
     assert field_tolerance_errors(field, replace(APPENDIX_4, gravity=1.0)) is found
+    # shares, which no map shows, are 84 numbers a pose, and are there when asked for
+    assert size_of(found) < 84 * found.tilt.nbytes
+    assert np.array_equal(found.shares, wanted.shares, equal_nan=True)
+    assert np.array_equal(np.isnan(found.shares).all(axis=(-1, -2)), field.status != 0)
 
 
 @pytest.mark.slow
