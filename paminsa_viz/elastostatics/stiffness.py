@@ -11,6 +11,7 @@ Small displacements, no preload; W in base axes, with moments about P.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -162,17 +163,30 @@ class PlatformStiffness(OfLimits):
         pose: (..., 4) [m, m, rad, m].
         status: (...) values of `Limit`: why there is no number.
         leg: (...) index of the leg that is the reason, -1 for none.
-        matrix: (..., 6, 6) K: wrench (F_x, F_y, F_z, M_x, M_y, M_z) for a twist of P, in base
-            axes [N/m, N, N m/rad].
-        compliance: (..., 6, 6) its inverse [m/N, 1/N, rad/(N m)].
+        compliance: (..., 6, 6) inverse of `matrix` [m/N, 1/N, rad/(N m)].
+        shear: Whether bars deform by shear as well (Timoshenko).
     """
 
     design: Design
     pose: Array
     status: NDArray[np.uint8]
     leg: NDArray[np.int8]
-    matrix: Array
     compliance: Array
+    shear: bool
+
+    @cached_property
+    def matrix(self) -> Array:
+        """K: wrench (F_x, F_y, F_z, M_x, M_y, M_z) for a twist of P, in base axes, (..., 6, 6).
+
+        [N/m, N, N m/rad]. It is worked out when asked for: maps need the compliance alone, which
+        takes as much memory.
+        """
+
+        def solved(poses: Array) -> list[Array]:
+            frame = leg_frame(self.design.geometry, poses)
+            return [_stiffness(self.design, frame, self.shear)]
+
+        return in_blocks(solved, self.pose, BLOCK)[0]
 
     def along(self, axis: int) -> Array:
         """Return the stiffness along or about a base axis (...) [N/m or N m/rad].
@@ -230,10 +244,9 @@ class PlatformStiffness(OfLimits):
 @kinds_checked
 def field_stiffness(field: Field, design: Design) -> PlatformStiffness:
     """Return the stiffness over a solved grid; kept until elastic data change."""
+    design = replace(design, geometry=field.geometry)
     found = field.keep(
-        "stiffness",
-        design.elastic,
-        lambda: platform_stiffness(replace(design, geometry=field.geometry), field.grid.poses()),
+        "stiffness", design.elastic, lambda: platform_stiffness(design, field.grid.poses())
     )
     return replace(found, design=design)
 
@@ -253,13 +266,18 @@ def platform_stiffness(
 
     def solved(poses: Array) -> tuple[Any, ...]:
         frame = leg_frame(design.geometry, poses)
-        compliance = leg_compliance(frame, design.elastic, shear=shear).matrix
-        matrix = _at_platform(design, frame.joint5_map[..., 1:, :], compliance)
+        matrix = _stiffness(design, frame, shear)
         inverse, singular = _inverse(matrix, design.geometry.platform_radius)
         lost = np.where(singular & (frame.status == Limit.OK), Limit.SINGULAR, frame.status)
-        return lost.astype(np.uint8), frame.leg, matrix, inverse
+        return lost.astype(np.uint8), frame.leg, inverse
 
-    return PlatformStiffness(design, pose, *in_blocks(solved, pose, BLOCK))
+    return PlatformStiffness(design, pose, *in_blocks(solved, pose, BLOCK), shear)
+
+
+def _stiffness(design: Design, frame: LegFrame, shear: bool) -> Array:
+    """Return K (n, 6, 6) from the legs at n poses."""
+    compliance = leg_compliance(frame, design.elastic, shear=shear).matrix
+    return _at_platform(design, frame.joint5_map[..., 1:, :], compliance)
 
 
 def _at_platform(design: Design, maps: Array, compliance: Array) -> Array:

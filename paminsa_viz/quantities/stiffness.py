@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.elastostatics.drive_stiffness import drive_modes
 from paminsa_viz.elastostatics.stiffness import PlatformStiffness, field_stiffness
 from paminsa_viz.elastostatics.vibration import first_frequencies
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, in_blocks
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit
@@ -55,9 +55,20 @@ def _not_held(over: Callable[[Field, Design], Array]) -> Callable[[Field, Design
 
 
 _FIRST = kept_over_poses("frequency_1", first_frequencies)
-_DRIVES = kept_over_poses(
-    "frequency_drives", lambda design, poses: drive_modes(design, poses).frequencies[..., 0]
-)
+BLOCK = 4096
+"""Poses worked on at a time with elastic drives alone."""
+
+
+def _first_of_drives(design: Design, poses: Array) -> Array:
+    """Return the first frequency with elastic drives alone at poses (..., 4), (...) [Hz]."""
+
+    def found(some: Array) -> list[Array]:
+        return [drive_modes(design, some).frequencies[:, 0]]
+
+    return in_blocks(found, poses, BLOCK)[0]
+
+
+_DRIVES = kept_over_poses("frequency_drives", _first_of_drives)
 
 STIFFNESS = in_family(
     "stiffness",
