@@ -231,8 +231,8 @@ def _same(one: Any, other: Any) -> bool:
 BAR_NAMES: dict[str, str] = {bar: bar.upper() for bar in BARS}
 """Bars by key."""
 
-BLOCK = 2**13
-"""Poses worked on at a time; their forces take some 10 MB."""
+BLOCK = 2**11
+"""Poses worked on at a time; their forces take some 3 MB, those of bars three times as much."""
 
 BAR_MEASURES = ("axial", "bending", "utilization")
 """Results of `field_bar_loads`: largest |N| [N], |M| [N m] of a bar, and its utilization [1]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -128,9 +128,22 @@ def in_blocks(
         size: Vectors of a block, which bounds the memory.
     """
     flat = vectors.reshape(-1, vectors.shape[-1])
-    parts = [function(flat[i : i + size]) for i in range(0, max(len(flat), 1), size)]
-    found = (np.concatenate(values) for values in zip(*parts, strict=True))
+    found = by_blocks(lambda part: function(flat[part]), len(flat), size)
     return unfolded(found, vectors.shape[:-1])
+
+
+def by_blocks(
+    function: Callable[[slice], Iterable[Any]], count: int, size: int
+) -> Iterator[NDArray[Any]]:
+    """Yield arrays (count, ...), each joined from what is worked out a block at a time.
+
+    Args:
+        function: Takes which of the ``count`` are worked out and returns arrays (n, ...) of them.
+        count: How many there are.
+        size: How many are in a block, which bounds the memory.
+    """
+    parts = [function(slice(i, i + size)) for i in range(0, max(count, 1), size)]
+    return (np.concatenate(values) for values in zip(*parts, strict=True))
 
 
 def as_kernels_take(array: Array) -> Array:

@@ -20,6 +20,7 @@ whole box by a Taylor expansion with a bound of its remainder.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,7 +32,7 @@ from paminsa_viz.kept import kept
 from paminsa_viz.model import backend
 from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.arguments import of_geometry
-from paminsa_viz.model.arrays import Array, own_vectors, unfolded
+from paminsa_viz.model.arrays import Array, by_blocks, own_vectors, unfolded
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.grids import WRENCH_TORQUES, Field
 from paminsa_viz.model.leg import mechanism
@@ -61,6 +62,7 @@ class DriveErrors(WithStatus):
     """Errors at poses of batch shape (...), in the order (x, y, theta, z) of a pose.
 
     Attributes:
+        geometry: Lengths of the mechanism.
         pose: (..., 4) [m, m, rad, m].
         accuracy: Accuracy of the drives.
         linear: (..., 4) sum of |J_ij| d_j [m, m, rad, m]; NaN where the pose is out of reach or
@@ -71,14 +73,13 @@ class DriveErrors(WithStatus):
             [m, m, rad, m]; NaN as ``linear``.
         linear_horizontal, horizontal, rms_horizontal: (...) the same of the distance in the plane
             [m].
-        corners: (..., 8, 3) errors of x, y and theta in the corners `CORNERS` of M1..M3
-            [m, m, rad]; NaN as ``worst``.
         between: (..., 4) by how much edges exceed the corners: x, y, theta (which they never do)
             and the distance in the plane, a bound [m, m, rad, m]; NaN as ``worst``.
         status: (...) values of `Bound`: whether they are bounded, or why not.
         leg: (...) index of the leg that is the reason, -1 for none.
     """
 
+    geometry: Geometry
     pose: Array
     accuracy: DriveAccuracy
     linear: Array
@@ -87,12 +88,23 @@ class DriveErrors(WithStatus):
     linear_horizontal: Array
     horizontal: Array
     rms_horizontal: Array
-    corners: Array
     between: Array
     status: NDArray[np.uint8]
     leg: NDArray[np.int8]
 
     KINDS = Bound
+
+    @property
+    def corners(self) -> Array:
+        """Errors of x, y and theta in the corners `CORNERS` of M1..M3, (..., 8, 3) [m, m, rad].
+
+        NaN as ``worst``. They are worked out when asked for: over a map they take more memory than
+        all else.
+        """
+        found = np.full((*self.status.shape, 8, 3), np.nan)
+        half = np.array(self.accuracy.half_widths[:3])
+        found[self.ok] = corner_errors(self.geometry, self.pose[self.ok], half)[0]
+        return found
 
 
 @of_geometry
@@ -114,7 +126,7 @@ def drive_errors(geometry: Geometry, accuracy: DriveAccuracy, pose: ArrayLike) -
     margin, which = backend.over_list(LEAST_MARGIN, m, flat).T
     status, leg = decode(margin, which)
     found = _errors(geometry, accuracy, flat, rows, margin, status, leg)
-    return DriveErrors(pose, accuracy, *unfolded(found, pose.shape[:-1]))
+    return DriveErrors(geometry, pose, accuracy, *unfolded(found, pose.shape[:-1]))
 
 
 @kept(4)
@@ -127,10 +139,13 @@ def field_drive_errors(field: Field, accuracy: DriveAccuracy) -> DriveErrors:
         field.geometry, accuracy, pose.reshape(-1, 4), rows,
         field.margin.reshape(-1), status.reshape(-1), field.leg.reshape(-1),
     )  # fmt: skip
-    return DriveErrors(pose, accuracy, *unfolded(found, pose.shape[:-1]))
+    return DriveErrors(field.geometry, pose, accuracy, *unfolded(found, pose.shape[:-1]))
 
 
-@np.errstate(all="ignore")
+BLOCK = 1024
+"""Poses worked on at a time, each with eight corners and twelve edges."""
+
+
 def _errors(
     geometry: Geometry,
     accuracy: DriveAccuracy,
@@ -139,11 +154,30 @@ def _errors(
     margin: Array,
     status: NDArray[np.uint8],
     leg: NDArray[np.int8],
-) -> tuple[NDArray[Any], ...]:
-    """Return the values of `DriveErrors` from ``linear`` on, for a list of poses (n, 4).
+) -> Iterator[NDArray[Any]]:
+    """Yield the values of `DriveErrors` from ``linear`` on, for a list of poses (n, 4).
 
     Given are J's rows (9, n) and the reach (n).
     """
+
+    def found(part: slice) -> tuple[NDArray[Any], ...]:
+        return _errors_of_block(
+            geometry, accuracy, pose[part], rows[:, part], margin[part], status[part], leg[part]
+        )
+
+    return by_blocks(found, len(pose), BLOCK)
+
+
+@np.errstate(all="ignore")
+def _errors_of_block(
+    geometry: Geometry,
+    accuracy: DriveAccuracy,
+    pose: Array,
+    rows: Array,
+    margin: Array,
+    status: NDArray[np.uint8],
+    leg: NDArray[np.int8],
+) -> tuple[NDArray[Any], ...]:
     half, deviation = np.array(accuracy.half_widths), np.array(accuracy.deviations)
     lift = geometry.magnification
     j = np.where(status == Limit.OK, rows, np.nan).reshape(3, 3, -1)
@@ -186,7 +220,6 @@ def _errors(
         np.hypot(sideways[0], sideways[1]).max(axis=1),
         kept * distance + between[:, 3],
         np.hypot(rms[:, 0], rms[:, 1]),
-        moved,
         between,
         bound,
         why,

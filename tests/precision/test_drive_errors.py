@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import tracemalloc
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.kept import size_of
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -24,10 +27,11 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.grids import WRENCH_TORQUES
 from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.precision import drive_corners
 from paminsa_viz.precision.drive_corners import CORNERS
-from paminsa_viz.precision.drive_errors import Bound, drive_errors, field_drive_errors
+from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors, field_drive_errors
 from tests.precision.boxes import boxes, edge_points, moved, random_boxes, samples
 from tests.support.samples import each_robot, random_design, random_poses
 
@@ -274,6 +278,29 @@ def test_grids_and_batches_are_the_poses_one_by_one() -> None:
     assert (one.status.shape, one.worst.shape) == ((), (4,))
     np.testing.assert_allclose(one.worst, listed.worst[3, 4], rtol=1e-12)
     assert drive_errors(design.geometry, DEFAULT, np.zeros((0, 4))).worst.shape == (0, 4)
+
+
+def test_over_a_map_they_take_the_memory_of_a_block_of_poses(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    grid = xy_grid(np.linspace(-0.4, 0.4, 48), np.linspace(-0.4, 0.4, 48), 0.2, -0.5)
+    field, found, most = solve_field(GEOMETRY, grid), [], []
+    field.solve(WRENCH_TORQUES)
+    for size in (grid.size, 400):
+        monkeypatch.setattr(sys.modules[DriveErrors.__module__], "BLOCK", size)
+        field_drive_errors.cache_clear()
+        tracemalloc.start()
+        found.append(field_drive_errors(field, DEFAULT))
+        most.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    at_once, in_blocks = (vars(one) for one in found)
+    kept = [name for name, value in at_once.items() if isinstance(value, np.ndarray)]
+    for name in kept:
+        np.testing.assert_array_equal(in_blocks[name], at_once[name], err_msg=name)
+    assert (0 < found[0].ok.mean() < 1, len(kept)) == (True, 10)
+    assert most[1] < most[0] / 3
+    # corners are 24 numbers a pose
+    assert size_of(found[1]) < 28 * found[1].worst[..., 0].nbytes
 
 
 def test_a_pose_has_four_numbers() -> None:
