@@ -114,16 +114,17 @@ def read_number(text: str) -> float | None:
         return None
 
 
-def fixed(value: float, decimals: int) -> str:
+def fixed(value: float, decimals: int, *, sign: bool = False) -> str:
     """Return a number with a fixed count of decimals, a true minus sign and no negative zero.
 
-    NaN is a dash, and what has no bound is ∞.
+    NaN is a dash, and what has no bound is ∞. With ``sign``, which suits changes, positive numbers
+    get a plus sign.
     """
     if not math.isfinite(value):
-        return number(value)
-    text = f"{value:.{decimals}f}"
+        return number(value, sign=sign)
+    text = f"{value:{'+' if sign else ''}.{decimals}f}"
     if float(text) == 0:
-        text = text.lstrip("-")
+        text = text.lstrip("+-")
     return text.replace("-", "−")
 
 
@@ -183,8 +184,8 @@ def percent_change(before: float, after: float) -> str:
     percent = 100 * (after - before) / before
     if abs(percent) >= 1000:
         return f"×{number(after / before, 3)}"
-    text = f"{percent:+.1f}" if round(abs(percent), 1) < 100 else f"{percent:+.0f}"
-    return f"{text.replace('-', '−')} %" if float(text) else "≈ 0 %"
+    decimals = 1 if round(abs(percent), 1) < 100 else 0
+    return f"{fixed(percent, decimals, sign=True)} %" if round(percent, decimals) else "≈ 0 %"
 
 
 def capitalized(text: str) -> str:

@@ -247,6 +247,8 @@ def test_numbers_below_a_hundred_thousand_have_no_exponent() -> None:
 def test_numbers_with_a_sign() -> None:
     assert [number(value, 3, sign=True) for value in (1.5, -1.5, 0.0)] == ["+1.5", "−1.5", "0"]
     assert number(np.inf, sign=True) == "+∞"
+    shown = [fixed(value, 2, sign=True) for value in (1.5, -1.5, 0.001, -0.001, np.inf)]
+    assert shown == ["+1.50", "−1.50", "0.00", "0.00", "+∞"]
 
 
 def test_fixed_decimals_have_no_negative_zero() -> None:

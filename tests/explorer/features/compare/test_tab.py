@@ -100,6 +100,8 @@ def test_torques_of_both_designs_are_compared() -> None:
     found = np.array([[value(cell) for cell in row[1:4]] for row in rows[:4]])
     assert found == pytest.approx(np.stack([then, now, now - then], axis=1), abs=6e-3)
     assert len({row[4] for row in (*rows[:3], rows[4])}) == 1  # torques scale with M_p2
+    assert all(row[3][0] in "+−" for row in rows)
+    assert all(row[4].startswith("+") for row in rows)  # all of them grow in size
     assert value(rows[4][2]) == pytest.approx(static_imbalance(design), abs=6e-4)
 
 

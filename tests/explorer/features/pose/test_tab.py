@@ -156,6 +156,13 @@ def test_torques_and_forces_have_as_many_digits_in_a_robot_of_any_size() -> None
             assert f">{balance}<" in text(frame)
 
 
+def test_changes_from_the_reference_have_their_sign() -> None:
+    pinned = actions.pin_reference(actions.move(initial_state(), x=0.08, y=0.05, theta=1.0))
+    heavier = actions.vary(pinned, {"links.b4": 1.0})
+    for text, change in ((actuators_html, r"<td>(.)[0-9.]+</td>\n</tr>"), (torques_html, "Δ (.)")):
+        assert re.findall(change, text(compute(heavier))) == ["+"] * 4
+
+
 def test_torques_of_a_robot_whose_bars_alone_are_long_keep_their_digits() -> None:
     """Its masses are the prototype's: torques of some N m had one decimal."""
     frame = compute(opening_state(APPENDIX_4.vary(LONG_BARS)))
