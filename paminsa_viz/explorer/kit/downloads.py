@@ -10,7 +10,7 @@ from functools import partial
 from typing import Literal, NamedTuple
 
 from paminsa_viz.explorer.core.session import Session
-from paminsa_viz.explorer.kit.entries import ButtonGroup, Run
+from paminsa_viz.explorer.kit.entries import ButtonGroup, Condition, Run
 from paminsa_viz.explorer.state.state import State
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.progress import Canceled
@@ -74,10 +74,12 @@ def export(what: str, make: Callable[[State], File]) -> Run:
     return session_export(what, lambda session: make(session.state))
 
 
-def table_buttons(key: str, tables: Mapping[str, Callable[[State], File]]) -> ButtonGroup:
+def table_buttons(
+    key: str, tables: Mapping[str, Callable[[State], File]], visible: Condition | None = None
+) -> ButtonGroup:
     """Return the buttons that export tables, by what they are called."""
     choices = {label: export(f"the {label.lower()}", make) for label, make in tables.items()}
-    return ButtonGroup(key, "Export", choices=choices, hint="CSV files")
+    return ButtonGroup(key, "Export", choices=choices, hint="CSV files", visible=visible)
 
 
 def _export(what: str, make: Make, session: Session) -> None:

@@ -208,7 +208,8 @@ class Answer(Entry):
     """What came of a job, or of what is shown: it is seen in the tab *Answer* of the left dock.
 
     The tab opens by itself when another answer comes. Where the entry stands in its table there is
-    a button that shows it again.
+    a button that shows it again: below what asks for the answer, and first in the section where
+    nothing does, since it only follows what is shown.
 
     Attributes:
         entries: What it holds: verdict, table, chart, and what can be done with it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,10 +13,11 @@ from paminsa_viz.explorer.core.session import Session
 from paminsa_viz.explorer.core.tab_store import TASKS
 from paminsa_viz.explorer.kit import answers
 from paminsa_viz.explorer.kit.answers import AnswerTab, PlacedAnswer, answers_of
-from paminsa_viz.explorer.kit.entries import Answer, Folder, Html, Tabs
+from paminsa_viz.explorer.kit.entries import Answer, Entry, Folder, Html, Tabs
 from paminsa_viz.explorer.state.outcome import Outcome, TaskState
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.explorer.tabs import answers as all_answers
+from paminsa_viz.explorer.tabs import sections
 from tests.support.desk import Desk, desk_with
 
 
@@ -140,6 +141,9 @@ def test_section_shows_its_answer_and_one_without_keeps_the_last(
     assert len(opened) == 1
 
 
+NEVER_FOUND = HERE.found
+"""Of an answer that only follows what is shown."""
+
 WITHOUT = {"recording", "synthesis.prices"}
 """Tasks whose outcome is a file, or is told in an answer of another task."""
 
@@ -161,3 +165,20 @@ def test_every_task_has_an_answer_and_no_two_have_one_key() -> None:
         state = start.updated(part, **{name: done})
         news = [one for one in placed if one.answer.found(state) != one.answer.found(start)]
         assert news, f"no answer tells what comes of {place}"
+
+
+def test_answer_stands_first_where_nothing_asks_for_it_and_else_below_what_does() -> None:
+    """In every section and each of its inner tabs alike; those of a job are below its button."""
+
+    def check(path: str, entries: Sequence[Entry]) -> None:
+        for entry in entries:
+            if isinstance(entry, Tabs):
+                for name, inner in entry.tabs.items():
+                    check(f"{path}/{name}", inner)
+        own = [entry for entry in entries if isinstance(entry, Answer)]
+        free = [one for one in own if one.always is True and one.found is NEVER_FOUND]
+        assert list(entries[: len(free)]) == free, path
+        assert not isinstance(entries[0], Answer) or entries[0] in free, path
+
+    for path, section in sections().items():
+        check(path, section.entries())

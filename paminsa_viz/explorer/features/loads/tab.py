@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
+from typing import Final
 
 import numpy as np
 
@@ -33,8 +35,7 @@ from paminsa_viz.explorer.features.loads.solving import (
 )
 from paminsa_viz.explorer.kit import downloads as exports
 from paminsa_viz.explorer.kit.chart import chart
-from paminsa_viz.explorer.kit.downloads import export
-from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Effect, Entry, Html
+from paminsa_viz.explorer.kit.entries import Answer, ButtonGroup, Condition, Entry, Html
 from paminsa_viz.explorer.kit.setting_inputs import SettingInputs
 from paminsa_viz.explorer.kit.text import blocks_html, note, render
 from paminsa_viz.explorer.state.loads import LoadsSettings
@@ -114,26 +115,19 @@ def motion(frame: Frame) -> str:
     )  # fmt: skip
 
 
-TABLES = {
-    "Joints": "joint-forces", "Bar": "bar-{}", "Bearings": "bearing-loads", "Samples": "loads",
-}  # fmt: skip
-"""Names of files by what the buttons say; the first two are of the pose, others of the motion."""
-
-
-def files(state: State) -> dict[str, Effect]:
-    """Return the buttons of the tables."""
-    count = 2 if found(state) is None else 4
-    return {name: export("loads", partial(file, name=name)) for name in list(TABLES)[:count]}
+POSE_TABLES: Final = {"Joints": "joint-forces", "Bar": "bar-{}"}
+MOTION_TABLES: Final = {"Bearings": "bearing-loads", "Samples": "loads"}
+"""Names of the files of each answer by what the buttons say."""
 
 
 def file(state: State, name: str) -> exports.File:
-    """Return one of `TABLES` of what is shown as a CSV file.
+    """Return one of the tables of what is shown as a CSV file.
 
     Raises:
         InvalidInput: If there are no numbers.
     """
-    at_pose = name in ("Joints", "Bar")
-    what = TABLES[name].format(state.loads.settings.bar)
+    at_pose = name in POSE_TABLES
+    what = (POSE_TABLES | MOTION_TABLES)[name].format(state.loads.settings.bar)
     time = instant(state).time
     if at_pose and time is not None:
         what += f"_t{round(1e3 * time)}ms"
@@ -142,7 +136,7 @@ def file(state: State, name: str) -> exports.File:
 
 
 def _table(state: State, name: str) -> DataTable:
-    if name in ("Bearings", "Samples"):
+    if name in MOTION_TABLES:
         outcome = state.loads.outcome
         if outcome is None or outcome.result is None:
             raise InvalidInput("motion", "there are no loads along a motion yet")
@@ -162,24 +156,16 @@ def _table(state: State, name: str) -> DataTable:
 
 _setting = SettingInputs("loads", "loads.settings", LoadsSettings)
 
+
+def _has_motion(state: State) -> bool:
+    return found(state) is not None
+
+
+def _files(key: str, names: Mapping[str, str], visible: Condition | None = None) -> ButtonGroup:
+    return exports.table_buttons(key, {name: partial(file, name=name) for name in names}, visible)
+
+
 LOADS: tuple[Entry, ...] = (
-    _setting("leg"),
-    _setting("bar"),
-    _setting("along"),
-    _setting("joint", visible=lambda state: found(state) is not None),
-    ALONG_MOTION.worker,
-    ButtonGroup(
-        "loads.files", "CSV", choices=files,
-        hint="Tables: joints and the bar at this pose; bearings and all samples of the motion",
-    ),
-    Answer(
-        "loads.motion_answer", "Forces along the motion",
-        found=lambda state: state.loads.settings.along or None,
-        entries=(
-            Html("loads.motion", content=motion, idle=True),
-            chart("loads.curves", shown_curves, curves_figure, 0.55),
-        ),
-    ),
     Answer(
         "loads.answer", "Forces at the pose", always=True,
         entries=(
@@ -187,6 +173,21 @@ LOADS: tuple[Entry, ...] = (
             Html("loads.joints", content=joints, idle=True),
             Html("loads.bars", content=bars, idle=True),
             chart("loads.sections", shown_section, section_figure, 0.85),
+            _files("loads.export", POSE_TABLES),
+        ),
+    ),
+    _setting("leg"),
+    _setting("bar"),
+    _setting("along"),
+    _setting("joint", visible=_has_motion),
+    ALONG_MOTION.worker,
+    Answer(
+        "loads.motion_answer", "Forces along the motion",
+        found=lambda state: state.loads.settings.along or None,
+        entries=(
+            Html("loads.motion", content=motion, idle=True),
+            chart("loads.curves", shown_curves, curves_figure, 0.55),
+            _files("loads.motion_export", MOTION_TABLES, _has_motion),
         ),
     ),
 )  # fmt: skip
