@@ -119,7 +119,7 @@ TARGETS: Mapping[str, Target] = {
         _urdf,
         posed=False,
     ),
-    "dxf": Target("DXF", (".dxf",), "CAD: center lines from above and in the legs' planes", _dxf),
+    "dxf": Target("DXF", (".dxf",), "CAD: center lines from above and in the legs’ planes", _dxf),
 }
 """Kinds of files by the flag of the command."""
 

@@ -68,6 +68,7 @@ _SYMBOL = re.compile(
     r"(?<![^\WΔ])([A-Za-zα-ω])_([A-Za-zα-ω]{0,4}\d{0,2})(?![^\W²³])(?:\^\((\w+)\))?"
 )
 _WORD = re.compile(r"(?:a|[a-z]{2,})(?:[’'][a-z]+)?(?:[ ,;:]|$)")  # no l_B3, log.csv, x = 5
+_APOSTROPHE = re.compile(r"(?<=\w)'(?=[st]\b)")
 # What a space stands between; it comes first in a pattern, so that a search finds it at once.
 _BEFORE_UNIT = (
     r"(?:(?<=[\d∞] )|(?<=\d</b> ))"  # 7.5 mm
@@ -197,8 +198,11 @@ def capitalized(text: str) -> str:
 
 
 def as_sentence(text: str) -> str:
-    """Return what an error says as a sentence: with a capital letter and a period."""
-    text = capitalized(text)
+    """Return what an error says as a sentence: with a capital letter and a period.
+
+    Errors are plain text, for terminals too; where people read sentences they have ’ as all texts.
+    """
+    text = _APOSTROPHE.sub("’", capitalized(text))
     return text if not text or text[-1] in ".!?…" else f"{text}."
 
 

@@ -218,11 +218,11 @@ def own_legs(design: Design, pose: ArrayLike) -> Note:
         return Note("All legs have the lengths of the geometry: the platform does not tilt.")
     found = manufactured_pose(design, pose)
     if not found.ok:
-        return Note(f"The design's own legs have no position: {found.reason()}.", "bad")
+        return Note(f"The design’s own legs have no position: {found.reason()}.", "bad")
     off = [*(found.pose - np.asarray(pose)), *found.tilt]
     texts = (f"{ERRORS[i][0]} {format_value(float(off[i]), ERRORS[i][1], 3)}" for i in ORDER)
     return Note(
-        "With drives set for equal legs, the design's own put the platform off by "
+        "With drives set for equal legs, the design’s own put the platform off by "
         f"{', '.join(texts)}."
     )
 

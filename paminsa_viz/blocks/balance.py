@@ -282,7 +282,7 @@ def room_text(geometry: Geometry, weight: Counterweight) -> str:
         f"{_mm(room.outward)} outward of its leg axis, {_mm(-room.low)} below and "
         f"{_mm(room.high)} above the guides."
     )
-    meet = "can meet neither the platform nor the robot's axis, where M4 is"
+    meet = "can meet neither the platform nor the robot’s axis, where M4 is"
     if room.clear_depth == 0:
         return f"{extent} It {meet}."
     if not np.isfinite(room.clear_depth):

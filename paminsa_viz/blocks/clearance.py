@@ -35,7 +35,7 @@ def size_advice(geometry: Geometry) -> str:
     if geometry.body_scale != 1.0 or is_comparable(times):
         return ""
     return (
-        f"bodies are as large as the prototype's, lengths {number(times, 3)} times as long: set "
+        f"bodies are as large as the prototype’s, lengths {number(times, 3)} times as long: set "
         f"s_b, the size of the bodies among the lengths, to about {number(times, 2)}"
     )
 

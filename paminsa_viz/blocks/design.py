@@ -105,8 +105,8 @@ def _summary(design: Design, changed: int) -> str:
     extra, driven = len(design.counterweights), any(design.drives)
     if not changed and not extra:
         values = "The design has drives; all other values" if driven else "All values"
-        return f"{values} are those of the paper's Appendix 4."
-    text = f"{_differing(changed)} from the paper's Appendix 4"
+        return f"{values} are those of the paper’s Appendix 4."
+    text = f"{_differing(changed)} from the paper’s Appendix 4"
     if extra:
         text += f"; every leg carries {counted(extra, 'counterweight')}"
     return text + ("; it has drives." if driven else ".")

@@ -47,7 +47,7 @@ def drives_blocks(analysis: TrajectoryAnalysis) -> list[Block]:
     head = ("", "Drive", "Motor turn per unit", "Inertia at the actuator", "Rated", "Peak")
     blocks: list[Block] = [
         Note(
-            "The drives' inertia and friction are part of all torques on the trajectory. The table "
+            "The drives’ inertia and friction are part of all torques on the trajectory. The table "
             "below measures each drive on the load without its own inertia; its efficiency acts by "
             "the direction of the power."
         ),
@@ -134,7 +134,7 @@ def own_table(design: Design, figures: Sequence[DriveFigures | None]) -> Table:
         cells = (text, "", NONE) if one is None else figure_cells(one, good="ok")
         kind = "plain" if one is None or one.feasible else "marked"
         lines.append(Row((name, *cells), kind, color))
-    caption = "The design's own drives, at the motor's shaft."
+    caption = "The design’s own drives, at the motor’s shaft."
     return Table(FIGURES_HEAD, tuple(lines), caption, words=2, literal=True)
 
 

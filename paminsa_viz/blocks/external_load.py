@@ -29,7 +29,7 @@ def load_notes(design: Design, pose: Array) -> list[Note]:
     x, y, z, about_x, about_y, about_z = wrench
     return [
         Note(
-            f"At the platform's center, in base axes: {x}, {y}, {z}, {about_z}. The actuators "
+            f"At the platform’s center, in base axes: {x}, {y}, {z}, {about_z}. The actuators "
             f"give against it: {', '.join(against)}."
         ),
         Note(

@@ -53,7 +53,7 @@ def _capability(design: Design, pose: Array) -> list[Block]:
     index, sign = at.horizontal_limit
     limit = f"{ACTUATORS[int(index)]} at {'+' if sign > 0 else '−'}T"
     nearest = polytope.faces[polytope.limiting_face]
-    text = f"The horizontal force at the report's pose is limited by {limit}; the face of the "
+    text = f"The horizontal force at the report’s pose is limited by {limit}; the face of the "
     text += f"wrench polytope nearest to zero is {nearest}."
     return [index_table(design, pose, KEYS), Note(text)]
 
@@ -74,7 +74,7 @@ def index_table(design: Design, pose: Array, keys: Sequence[str], about: str = "
         cells = (format_value(value, quantity.unit) for value in values)
         rows.append(Row((quantity.symbol, quantity.title, *cells)))
     caption = (
-        f"{about}At the report's pose, and mean, least value and standard deviation over the poses "
+        f"{about}At the report’s pose, and mean, least value and standard deviation over the poses "
         f"that can be reached {region.words}."
     )
     for reason in dict.fromkeys(without.values()):

@@ -62,7 +62,7 @@ def estimates_table(findings: Findings) -> Table:
         held = number(factor * summed.get(item.symbol, p.design), 4, padded=True)
         cells = (heading(item.symbol, p.unit), p.label, text, held)
         found.append(Row(cells, _estimate_kind(item), hint=item.reason()))
-    caption = "Numbers that the log tells; marked where the design's is outside the interval."
+    caption = "Numbers that the log tells; marked where the design’s is outside the interval."
     return Table(("", "Parameter", "Log, 95 %", "Design"), tuple(found), caption, words=2)
 
 
@@ -137,7 +137,7 @@ def unseen_note(findings: Findings) -> Note:
     return Note(f"Cannot be seen in this log: {'; '.join(findings.causes.unseen)}.", "muted")
 
 
-MASS_IN_DOUBT = ": check the payload's mass [kg] and which log it is in"
+MASS_IN_DOUBT = ": check the payload’s mass [kg] and which log it is in"
 """After a gain that no robot has, see `WRONG_UNIT`."""
 
 

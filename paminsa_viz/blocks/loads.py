@@ -101,7 +101,7 @@ def pose_blocks(forces: JointForces, sideways: SidewaysForces) -> list[Block]:
     torques = map(_text, forces.torque[:3])
     return [
         Note(
-            "Forces in the legs' planes at rest, at joint 5 in space, from equilibrium; each is on "
+            "Forces in the legs’ planes at rest, at joint 5 in space, from equilibrium; each is on "
             "the first body of the joint, from the second. r is toward the platform, t along "
             "increasing θ, z up."
         ),

@@ -96,8 +96,8 @@ def other_tubes(fits: Sequence[TubeFit]) -> str:
         return ""
     times = ", ".join(f"{bar} {number(ratio, 2)}" for bar, ratio in far.items())
     return (
-        f"The tubes weigh other than the design's links ({times} times as much): the stiffness is "
-        "that of these tubes. Give the robot's own diameters."
+        f"The tubes weigh other than the design’s links ({times} times as much): the stiffness is "
+        "that of these tubes. Give the robot’s own diameters."
     )
 
 
@@ -112,7 +112,7 @@ def sections_table(design: Design, fits: Sequence[TubeFit]) -> Table:
         mass = f"{fit.mass:.3f} kg" if fit.mass >= 0.1 else format_value(fit.mass, "kg", 3)
         rows.append(Row((fit.bar, f"{outer}/{inner} mm", mass, *texts)))
     head = ("", "Tube", "Mass", "Link/tube", "I_YY/(m l²/12)", "I_YY/tube", "I_XX/tube")
-    caption = "Tubes of [elastic], and the links' masses and inertias over theirs."
+    caption = "Tubes of [elastic], and the links’ masses and inertias over theirs."
     return Table(head, tuple(rows), caption)
 
 
@@ -139,7 +139,7 @@ def strain_cases(design: Design, pose: Array, *, shear: bool) -> dict[str, Array
 def _data(design: Design) -> Table:
     elastic = design.elastic
     rows = [
-        Row(("E", "Young's modulus", format_value(elastic.young_modulus, "Pa"))),
+        Row(("E", "Young’s modulus", format_value(elastic.young_modulus, "Pa"))),
         Row(("G", "shear modulus", format_value(elastic.shear_modulus, "Pa"))),
         Row(("k_M", "drives M1 to M3", format_value(elastic.drive_rotary, "N m/rad"))),
         Row(("k_4", "drive M4", format_value(elastic.drive_linear, "N/m"))),
@@ -153,7 +153,7 @@ def _data(design: Design) -> Table:
         tube = f"tube {number(outer)}/{number(inner)} mm"
         rows.append(Row((bar.upper(), tube, values)))
     caption = (
-        "Elastic data. The defaults are tubes of an aluminum alloy with the links' masses; they "
+        "Elastic data. The defaults are tubes of an aluminum alloy with the links’ masses; they "
         "are chosen, not measured."
     )
     return Table(("Part", "What", "Value"), tuple(rows), caption, words=2)
@@ -277,7 +277,7 @@ def deflection_table(case: str, wrench: Array, twist: Array) -> Table:
     ]
     tilt = float(np.hypot(*moved[3:5]))
     rows.append(Row((heading("tilt", angle), "", aligned([*moved[3:], tilt], angle)[-1])))
-    caption = f"Deflection of the platform's center under {case}."
+    caption = f"Deflection of the platform’s center under {case}."
     return Table(("", "Load", "Deflection"), tuple(rows), caption)
 
 

@@ -35,7 +35,7 @@ def verification_blocks(found: Verification) -> list[Block]:
         "ok" if found.passed else "bad",
     )
     method = Note(
-        "The engines get the bodies, joints and loop closures, and the joints' positions, which "
+        "The engines get the bodies, joints and loop closures, and the joints’ positions, which "
         "the closures confirm; they know none of the formulas. "
         f"Compared are {counted(len(found.poses), 'random pose')} at rest and "
         f"{counted(found.trajectory.size, 'state')} of the trajectory, without joint friction."

@@ -225,7 +225,7 @@ def moving_bodies(design: Design) -> Iterator[Body]:
         below, above = size.RAM_COLLAR
         carriage.append(rod(at.RAM_RADIUS, half, half + ram + size.RAM_BEYOND))
         carriage.append(rod(size.RAM_COLLAR_RADIUS, -half - below, half + above))
-    yield Body("carriage", "M4's carriage", "carriage", BodyPart.CARRIAGE, 0, tuple(carriage))
+    yield Body("carriage", "M4’s carriage", "carriage", BodyPart.CARRIAGE, 0, tuple(carriage))
     for leg, angle in enumerate(AXIS_ANGLES, 1):
         solids = tuple(_turned(solid, float(angle)) for solid in _arm(g.base_radius, g.arm_length))
         yield Body(

@@ -64,7 +64,7 @@ CHOICES: dict[tuple[str, str], type[Enum]] = {
 
 CHOICE_MEANINGS = {
     KNEE: "branch of the knee 9: lower as Appendix 1 prints it, or upper, its mirror image",
-    FRAME: "what the load's direction is fixed in: the world, or the platform",
+    FRAME: "what the load’s direction is fixed in: the world, or the platform",
 }
 
 
@@ -122,7 +122,7 @@ DRIVE_KEYS: dict[str, str] = {
 _MEANINGS = {
     "name": "motor and gear",
     "envelope": "corners of the torque over the speed [rad/s, N·m], at the motor shaft",
-    "transmission": "what turns the gear's output into a straight motion",
+    "transmission": "what turns the gear’s output into a straight motion",
     "brake": "holds the load while the robot waits",
 }
 

@@ -80,7 +80,7 @@ def write_design(
         for place, name in CHOICES:
             value = choice(design, place, name)
             if place == table and value is not choice(APPENDIX_4, place, name):
-                body.append(f'{name} = "{value.value}"  # {CHOICE_MEANINGS[name]}')
+                body += _aligned([(f'{name} = "{value.value}"', CHOICE_MEANINGS[name])])
     for weight in design.counterweights:
         values = (f'"{weight.bar.upper()}"', weight.joint, weight.beyond, weight.mass)
         texts = [f"{key} = {v}" for key, v in zip(COUNTERWEIGHT_KEYS.values(), values, strict=True)]
@@ -139,9 +139,10 @@ def quoted(text: str) -> str:
 
 
 def _aligned(rows: list[tuple[str, str]]) -> list[str]:
-    """Return lines of TOML with their comments below each other."""
+    """Return lines of TOML with their comments below each other, in plain letters."""
     width = max((len(text) for text, _ in rows), default=0)
-    return [f"{text:<{width}}  # {comment}" for text, comment in rows]
+    plain = [comment.replace("’", "'") for _, comment in rows]
+    return [f"{text:<{width}}  # {told}" for (text, _), told in zip(rows, plain, strict=True)]
 
 
 def _assignment(design: Design, key: DesignKey) -> str:

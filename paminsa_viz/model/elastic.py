@@ -64,7 +64,7 @@ def _bar_fields() -> list[tuple[str, Any, Any]]:
         value = parameter(inner, f"d_{name}", "m", f"{name}, inner diameter of the tube")
         found.append((f"{bar}_inner", float, value))
         for key, (symbol, unit, label) in SECTION_VALUES.items():
-            text = f"{name}, {label} (default: the tube's)"
+            text = f"{name}, {label} (default: the tube’s)"
             value = parameter(None, symbol.format(name), unit, text, positive=True)
             found.append((f"{bar}_{key}", float | None, value))
     return found
@@ -78,7 +78,7 @@ def _rigid(symbol: str, unit: str, text: str) -> float | None:
 class _Rigidities(Group, path="elastic"):
     """What all bars have in common: material, drives, joints and guides."""
 
-    young_modulus: float = parameter(69e9, "E", "Pa", "Young's modulus of the bars", positive=True)
+    young_modulus: float = parameter(69e9, "E", "Pa", "Young’s modulus of the bars", positive=True)
     shear_modulus: float = parameter(26e9, "G", "Pa", "shear modulus of the bars", positive=True)
     density: float = parameter(2700.0, "rho", "kg/m^3", "density of the bars", positive=True)
     yield_stress: float = parameter(240e6, "R_p", "Pa", "yield stress of the bars", positive=True)

@@ -64,7 +64,7 @@ class Geometry(Group, path="geometry"):
     )
     axis_clearance: float = parameter(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
     body_scale: float = parameter(
-        1.0, "s_b", "", "size of the bodies over the prototype's", positive=True
+        1.0, "s_b", "", "size of the bodies over the prototype’s", positive=True
     )
     knee: KneeBranch = KneeBranch.LOWER
 

@@ -341,7 +341,7 @@ class Payload(Group, path="payload"):
 
     mass: float = parameter(0.0, "m_load", "kg", "payload")
     inertia: float = parameter(0.0, "I_load", "kg m^2", "payload, about the vertical")
-    height: float = parameter(0.0, "h_load", "m", "payload's center above P", signed=True)
+    height: float = parameter(0.0, "h_load", "m", "payload’s center above P", signed=True)
 
 
 @dataclass(frozen=True)

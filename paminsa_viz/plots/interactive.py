@@ -36,7 +36,7 @@ LEAST_WIDTH = 200
 BY_SCRIPT = ("plotly_mimetype", "jupyterlab", "vscode", "nteract")
 """Plotly's renderers whose output is data alone, which a script of the notebook's program draws."""
 
-WITHOUT_SCRIPT = "Maps, drawn by plotly's script; write_html(path) writes a page that has it."
+WITHOUT_SCRIPT = "Maps, drawn by plotly’s script; write_html(path) writes a page that has it."
 """What a notebook says where that script is missing, as in its export as HTML or PDF."""
 
 

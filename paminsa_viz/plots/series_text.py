@@ -127,7 +127,7 @@ def _about(data: SeriesData) -> list[str]:
     if data.kind == "breakdown":
         return ["The parts add up to the total."]
     if data.kind == "loads":
-        return ["Forces and stress are those in the legs' planes; at joint 5 in space."]
+        return ["Forces and stress are those in the legs’ planes; at joint 5 in space."]
     if data.kind == "comparison":
         return [f"Difference: this analysis minus {sources.other.name}.", *compared]
     return _tracking_sentences(sources) if data.kind == "tracking" else []
@@ -155,7 +155,7 @@ def _tracking_sentences(sources: SeriesSources) -> list[str]:
     drift = float(np.max(np.abs(simulation.energy_drift)))
     sentences = [
         f"Controller: {controller.control.value}{gains}.",
-        f"The platform is at most {format_value(farthest, 'm', 3)} from its place; the solution's "
+        f"The platform is at most {format_value(farthest, 'm', 3)} from its place; the solution’s "
         f"energy drifts by {format_value(drift, 'J', 2)}.",
     ]
     if simulation.design != sources.analysis.design:

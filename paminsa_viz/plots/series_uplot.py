@@ -49,7 +49,7 @@ _CHARTS: dict[SeriesKind, tuple[tuple[str, tuple[int, ...]], ...]] = {
     "commands": (("Commanded torques", _TURNING), ("Commanded force F₄", _LIFTING)),
     "differences": (("Torques, formulas − {}", _TURNING), ("Force F₄, formulas − {}", _LIFTING)),
     "power": (("Power of M1–M3", _TURNING), ("Power of M4", _LIFTING)),
-    "energy": (("Work of M1–M3", _TURNING), ("Work of M4, and the robot's energy", (3, 4, 5))),
+    "energy": (("Work of M1–M3", _TURNING), ("Work of M4, and the robot’s energy", (3, 4, 5))),
     "loads": (("Force at joint 2", (0,)), ("Largest bending moment", (4,))),
     "clearance": (("Least clearance", (0,)), ("Clearance by pairs of bodies", (1,))),
     "pose": (("Position", _PLACE), ("Angle θ", _ANGLE)),

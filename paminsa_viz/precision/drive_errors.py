@@ -52,9 +52,9 @@ class Bound(Status):
     OK = 0, "bounded"
     UNREACHABLE = 1, "the pose is out of reach of {leg}"
     SINGULAR = 2, "the pose is singular"
-    NOT_ASSEMBLED = 3, "within the drives' errors the robot cannot be assembled"
-    SINGULARITY = 4, "a singularity lies within the drives' errors"
-    LIMIT = 5, "within the drives' errors {leg} passes a limit of its reach"
+    NOT_ASSEMBLED = 3, "within the errors of the drives the robot cannot be assembled"
+    SINGULARITY = 4, "a singularity lies within the errors of the drives"
+    LIMIT = 5, "within the errors of the drives {leg} passes a limit of its reach"
 
 
 @dataclass(frozen=True, eq=False)

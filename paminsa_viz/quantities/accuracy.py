@@ -24,7 +24,7 @@ COST = 2.5e-5
 """Time for a pose of unequal legs [s]: nine equations with 42 lengths, or solving them."""
 
 _LENGTH, _ANGLE = "m:um", "rad:arcsec"
-_TILT = ("tilt", "tilt", "the platform's tilt", _ANGLE, "tilt")
+_TILT = ("tilt", "tilt", "the platform’s tilt", _ANGLE, "tilt")
 _PLACES: tuple[tuple[str, str, str, str, int | str], ...] = (
     ("x", "x", "x", _LENGTH, 0), ("y", "y", "y", _LENGTH, 1),
     ("horizontal", "position", "the position in x and y", _LENGTH, "horizontal"),

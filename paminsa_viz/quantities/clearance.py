@@ -57,7 +57,7 @@ CLEARANCE = in_family(
     ),
     _group(PairGroup.BETWEEN_LEGS, "legs", "legs", "between bodies of two legs"),
     _group(PairGroup.SAME_LEG, "same_leg", "leg", "between bodies of one leg"),
-    _group(PairGroup.CARRIAGE, "arms", "arms", "of a leg to M4's carriage and the arms B1"),
+    _group(PairGroup.CARRIAGE, "arms", "arms", "of a leg to M4’s carriage and the arms B1"),
     _group(PairGroup.PLATFORM, "platform", "platf", "of the platform to legs and arms"),
     _group(PairGroup.FRAME, "frame", "frame", "of what moves to the frame"),
     _group(PairGroup.PAYLOAD, "payload", "load", "of the payload to another body"),

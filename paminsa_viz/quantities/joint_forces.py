@@ -39,7 +39,7 @@ def _largest(field: Field, design: Design) -> Array:
 def _joint(joint: LegJoint) -> Quantity:
     key = {"m": "force_m", "guide": "guide_force"}.get(joint.key, f"force_{joint.key}")
     symbol = {"m": "F M", "guide": "F guide"}.get(joint.key, f"F {joint.label}")
-    where = "" if joint.key == "5" else ", in the leg's plane"
+    where = "" if joint.key == "5" else ", in the leg’s plane"
     title = f"Largest static force at {joint.name} over the legs{where}"
     return _force(key, symbol, f"force at {joint.name}", title, "N", JOINT_INDEX[joint.key])
 
@@ -47,20 +47,20 @@ def _joint(joint: LegJoint) -> Quantity:
 JOINT_FORCES = in_family(
     "joint forces",
     Quantity("joint_force", "max F", "largest joint force",
-             "Largest static force at any joint: in the leg's plane, at joint 5 in space", "N",
+             "Largest static force at any joint: in the leg’s plane, at joint 5 in space", "N",
              UNIT_TORQUES, _largest, cost=_PER_FORCE),
     *(_joint(joint) for joint in JOINTS),
     _force("bearing_moment", "M bearing", "moment on the bearing of M",
-           "Largest static tilting moment on the bearings of M1 to M3, in the leg's plane",
+           "Largest static tilting moment on the bearings of M1 to M3, in the leg’s plane",
            "N m", len(JOINTS)),
     _force("arm_moment", "M 2", "moment at joint 2",
-           "Largest static moment of a shaft on its arm B1, in the leg's plane",
+           "Largest static moment of a shaft on its arm B1, in the leg’s plane",
            "N m", len(JOINTS) + 1),
     _bar("bar_moment", "max M", "largest bending moment",
-         "Largest static bending moment of any bar, in the leg's plane", "N m", "bending"),
+         "Largest static bending moment of any bar, in the leg’s plane", "N m", "bending"),
     _bar("bar_axial", "max N", "largest axial force",
-         "Largest static tension or compression of any bar, in the leg's plane", "N", "axial"),
+         "Largest static tension or compression of any bar, in the leg’s plane", "N", "axial"),
     _bar("utilization", "σ/R_p", "utilization of the bars",
-         "Largest static stress of any bar over the yield stress, in the leg's plane", "1",
+         "Largest static stress of any bar over the yield stress, in the leg’s plane", "1",
          "utilization"),
 )  # fmt: skip

@@ -395,7 +395,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "motions.md",
-        "The arch takes 0.70 of the stretched law's time",
+        "The arch takes 0.70 of the stretched law’s time",
         "both planned again",
         "",
         5e-3,

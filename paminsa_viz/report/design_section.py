@@ -12,6 +12,7 @@ from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.accuracy import equal_legs_note
 from paminsa_viz.model.design import Design
 from paminsa_viz.report.request import ReportRequest, Section
+from paminsa_viz.units import as_sentence
 from paminsa_viz.version import MADE_BY
 
 PACKAGES = ("numpy", "scipy", "numba", "matplotlib", "mujoco", "pin")
@@ -27,9 +28,8 @@ def design_section(design: Design, reference: Design | None = None) -> Section:
     """Return the section, with what differs from a reference if there is one."""
     blocks = design_blocks(design)
     if note := equal_legs_note(design.deviations):
-        blocks.append(
-            Note(f"But for errors of the pose by tolerances and the calibration, {note}.")
-        )
+        text = f"But for errors of the pose by tolerances and the calibration, {note}"
+        blocks.append(Note(as_sentence(text)))
     if reference is not None:
         caption = f"What differs from the reference “{reference.name}”."
         table = changes_table(reference, design, ("Reference", "Design"), caption=caption)

@@ -42,7 +42,7 @@ def workspace_section(request: ReportRequest) -> Section:
     blocks: list[Block] = [
         Figure(
             partial(sketch, configuration),
-            "The robot's joints and bars in the pose of the report, from above and from the side.",
+            "The robot’s joints and bars in the pose of the report, from above and from the side.",
             "The robot in the pose of the report, to scale. From above: thin circle through the "
             "leg axes; dashed circle of positions that are singular at this angle. From the side: "
             "dotted line at the height of the guides.",

@@ -155,7 +155,7 @@ def measure_design(
 MOTION_METRICS: tuple[Metric[TrajectoryAnalysis], ...] = (
     Metric("motion_peak_torque", "N m", "largest torque of M1 to M3 on the motion",
            lambda found: max(abs(motor.peak) for motor in found.summary[:3])),
-    Metric("motion_rms_torque", "N m", "RMS torque of M1 to M3 over the motion's time",
+    Metric("motion_rms_torque", "N m", "RMS torque of M1 to M3 over the motion’s time",
            lambda found: _rms(np.array([motor.rms for motor in found.summary[:3]]))),
     Metric("motion_peak_force", "N", "largest force of M4 on the motion",
            lambda found: abs(found.summary[3].peak)),

@@ -91,7 +91,7 @@ def paper_like(geometry: Geometry) -> Plan:
     plan = point_to_point(start, goal, float(duration), name="four coordinates, 1 m/s²")
     note = (
         "A quintic move of all four coordinates with a largest acceleration of 1 m/s², which is "
-        "what the paper's text gives of its motion. It is not the motion of the paper's "
+        "what the paper’s text gives of its motion. It is not the motion of the paper’s "
         "Figs. 8-11, whose curves the text does not give."
     )
     return replace(plan, notes=(note,))

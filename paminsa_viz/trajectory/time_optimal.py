@@ -207,7 +207,7 @@ def _friction_notes(design: Design, plan: Plan) -> tuple[str, ...]:
 def _drive_notes(design: Design) -> tuple[str, ...]:
     if not any(design.drives):
         return ()
-    return ("Limits of the design's drives are not kept: check them on the motion.",)
+    return ("Limits of the design’s drives are not kept: check them on the motion.",)
 
 
 def _check_path(

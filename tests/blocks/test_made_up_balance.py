@@ -151,7 +151,7 @@ def test_the_room_of_a_counterweight_is_rounded_to_the_safe_side(
 
     assert text(None) == "The robot can take no pose."
     extent = "at most −10 mm inward and 21 mm outward of its leg axis, 31 mm below and 41 mm above"
-    meet = "It can meet neither the platform nor the robot's axis, where M4 is"
+    meet = "It can meet neither the platform nor the robot’s axis, where M4 is"
     assert extent in text(0.0)
     assert text(0.0).endswith(f"{meet}.")
     assert text(np.inf).endswith("It may run into the platform, or M4, at any height.")

@@ -159,7 +159,7 @@ def test_quantities_that_a_robot_has_none_of_say_why(monkeypatch: pytest.MonkeyP
     assert cells(table)[0][3:] == ("1.5 kg", "2.5 kg", "3.5 kg")
     assert [row[2:] for row in cells(table)[1:]] == [("–",) * 4] * 3
     assert table.words == 2
-    assert table.caption.startswith("About. At the report's pose")
+    assert table.caption.startswith("About. At the report’s pose")
     assert table.caption.endswith(
         " A, C: no value, design: one. B: no value, design: two."
     )  # fmt: skip
@@ -256,22 +256,22 @@ def test_in_what_designs_differ() -> None:
 
 def test_a_design_beside_appendix_4() -> None:
     note, table = design.design_blocks(APPENDIX_4)
-    assert note.text == "All values are those of the paper's Appendix 4."  # type: ignore
+    assert note.text == "All values are those of the paper’s Appendix 4."  # type: ignore
     headings = [row.cells[0] for row in table.rows if row.kind == "group"]  # type: ignore
     assert "Payload" not in headings
     driven = replace(APPENDIX_4, drives=(Drive("motor"), None, None, None))
-    said_of_drives = "The design has drives; all other values are those of the paper's Appendix 4."
+    said_of_drives = "The design has drives; all other values are those of the paper’s Appendix 4."
     assert said(design.design_blocks(driven))[0][0] == said_of_drives
     loaded = APPENDIX_4.vary({"payload.mass": 2.0})
     note, table = design.design_blocks(loaded)
-    assert note.text == "1 value differs from the paper's Appendix 4."  # type: ignore
+    assert note.text == "1 value differs from the paper’s Appendix 4."  # type: ignore
     marked = [row for row in table.rows if row.kind == "marked"]  # type: ignore
     assert [row.cells[2:] for row in marked] == [("2 kg", "0 kg", "new")]
     headings = [row.cells[0] for row in table.rows if row.kind == "group"]  # type: ignore
     assert "Payload" in headings
     turning = replace(APPENDIX_4, load=LoadCase(frame=LoadFrame.PLATFORM))
     note, table = design.design_blocks(with_knee(turning, KneeBranch.UPPER))
-    assert note.text == "2 values differ from the paper's Appendix 4."  # type: ignore
+    assert note.text == "2 values differ from the paper’s Appendix 4."  # type: ignore
     marked = [row for row in table.rows if row.kind == "marked"]  # type: ignore
     assert [(row.cells[0], *row.cells[2:]) for row in marked] == [
         ("knee", "upper", "lower", ""), ("frame", "platform", "world", ""),
@@ -280,7 +280,7 @@ def test_a_design_beside_appendix_4() -> None:
     held = replace(loaded.vary({"links.b1": 2.0}), counterweights=weights, drives=driven.drives)
     note, _, table = design.design_blocks(held)
     assert note.text == (  # type: ignore
-        "2 values differ from the paper's Appendix 4; every leg carries 1 counterweight; it has "
+        "2 values differ from the paper’s Appendix 4; every leg carries 1 counterweight; it has "
         "drives."
     )
     assert cells(table) == [(weights[0].place, "0.5 kg")]

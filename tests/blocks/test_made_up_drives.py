@@ -244,7 +244,7 @@ def test_loads_and_lists_of_drives_by_actuator(monkeypatch: pytest.MonkeyPatch) 
     assert [one and one["margin"] for one in data["own"]] == [-0.75, None, None, None]
     monkeypatch.setattr(drives, "size_design", lambda cycle, design: [None] * 4)
     own = blocks(False, driven=True)[1]
-    assert own.caption.startswith("The design's own drives")
+    assert own.caption.startswith("The design’s own drives")
     assert len(blocks(False, driven=True)) == len(blocks(False)) + 1
 
 
@@ -307,7 +307,7 @@ def test_quantities_that_have_no_value_say_why_once(monkeypatch: pytest.MonkeyPa
         ("P", "title p", *[NONE] * 4), ("S", "title s", "2 N", "3 N", "4 N", "5 N"),
         ("Q", "title q", *[NONE] * 4), ("R", "title r", *[NONE] * 4),
     ]  # fmt: skip
-    assert table.caption.startswith("About. At the report's pose")
+    assert table.caption.startswith("About. At the report’s pose")
     assert table.caption.endswith(
         " P, Q: no value, design: no payload. R: no value, design: no drive."
     )

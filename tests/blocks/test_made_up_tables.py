@@ -208,7 +208,7 @@ def test_legs_of_their_own_lengths_put_the_platform_off(monkeypatch: pytest.Monk
     assert accuracy.manufacture_blocks(own, POSE)[-1] == note
     moved.ok = False
     assert said([accuracy.own_legs(own, POSE)]) == [
-        ("The design's own legs have no position: why.", "bad")
+        ("The design’s own legs have no position: why.", "bad")
     ]
     moved.coordinates = np.arange(6.0)
     robots: Any = SimpleNamespace(

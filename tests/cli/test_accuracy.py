@@ -55,14 +55,14 @@ def test_no_bound_near_the_fold_has_its_reason_and_exit_code_1(capsys) -> None:
     assert (code, err) == (1, "")
     found = json.loads(out)
     assert not found["bounded"]
-    assert found["reason"] == "within the drives' errors the robot cannot be assembled"
+    assert found["reason"] == "within the errors of the drives the robot cannot be assembled"
     assert found["errors"]["theta_rad"]["worst"] is None
     assert 0 < found["errors"]["theta_rad"]["linear"] < np.radians(2)
     region = found["region"]
     assert 0 < region["unbounded"]["not-assembled"] < region["poses"]
     assert region["errors"]["x_m"]["worst"]["largest"] > 0
     _, printed, _ = run("accuracy", capsys, *words)
-    assert "No bound at the pose: within the drives' errors" in printed
+    assert "No bound at the pose: within the errors of the drives" in printed
     assert "No bound at 1" in printed
 
 

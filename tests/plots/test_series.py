@@ -127,7 +127,7 @@ def test_energies_balance(analysis) -> None:
 
 def test_captions_do_not_claim_the_papers_motion(analysis) -> None:
     data = _series("pose", analysis)
-    assert "It is not the motion of the paper's Figs. 8-11" in series_text.caption(data)
+    assert "It is not the motion of the paper’s Figs. 8-11" in series_text.caption(data)
     assert "Fig" not in data.title
 
 

@@ -389,7 +389,7 @@ def test_captions_say_what_is_compared_and_what_is_summed(analysis, light, motio
         "torques": "The band is the RMS over time",
         "power": "Positive where an actuator drives.",
         "breakdown": "The parts add up to the total.",
-        "loads": "Forces and stress are those in the legs' planes",
+        "loads": "Forces and stress are those in the legs’ planes",
     }.items():
         text = text_of(kind, analysis, **compared)
         assert sentence in text

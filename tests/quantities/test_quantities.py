@@ -154,7 +154,7 @@ def test_forces_in_a_plane_are_said_to_be_and_that_of_joint_5_is_not() -> None:
         for key, item in QUANTITIES.items()
         if item.title.startswith("Largest static force at ")
     }
-    inside = {key for key, title in titles.items() if title.endswith("in the leg's plane")}
+    inside = {key for key, title in titles.items() if title.endswith("in the leg’s plane")}
     assert set(titles) - inside == {"force_5", "joint_force"}
 
 

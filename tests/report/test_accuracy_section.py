@@ -75,7 +75,7 @@ def test_shares_and_robots_that_cannot_be_assembled_are_counted() -> None:
 def test_unbounded_poses_and_unequal_legs_are_named() -> None:
     coarse = replace(APPENDIX_4, accuracy=DriveAccuracy(resolution_rotary=np.radians(3.0)))
     text = notes(section(coarse.vary({"leg1.shaft": 2e-4}), (0.0, 0.0, FOLD - 0.05, -0.3)))
-    assert "No bound at the pose: within the drives' errors" in text
+    assert "No bound at the pose: within the errors of the drives" in text
     assert "With drives set for equal legs" in text
     assert "tilt about x" in text
     assert "No bound at" in notes(

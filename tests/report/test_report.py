@@ -175,7 +175,7 @@ def test_deviations_of_legs_that_are_listed_are_said_to_be_left_out_elsewhere() 
     section = design_section(APPENDIX_4.vary({"leg2.bar_94": 1e-4}))
     assert [note.text for note in blocks(section, Note)[1:]] == [
         "But for errors of the pose by tolerances and the calibration, legs are equal, the "
-        "design's deviations of single legs are left out."
+        "design’s deviations of single legs are left out."
     ]
 
 

@@ -196,7 +196,7 @@ def test_a_plan_says_by_how_much_friction_exceeds_the_limits_that_leave_it_out()
     assert plan.notes[1:] == (
         "Friction at the actuators is not counted in the limits: it adds up to "
         f"{most[:3].max():.4g} N·m to M1 to M3 and 0 N to M4.",
-        "Limits of the design's drives are not kept: check them on the motion.",
+        "Limits of the design’s drives are not kept: check them on the motion.",
     )
 
 

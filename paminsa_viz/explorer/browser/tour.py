@@ -43,7 +43,7 @@ STEPS: Final = (
     _step(
         "Maps",
         "Torques over the whole workspace at this θ and z. Click a map to go there, or draw a "
-        "motion on it. Tabs beside them hold one map of any quantity, the motion's curves, and the "
+        "motion on it. Tabs beside them hold one map of any quantity, the motion’s curves, and the "
         "answers of all sections. Below each figure are its files.",
         '[data-paminsa-slot="torques"]', host=True, opens="Torque maps",
     ),

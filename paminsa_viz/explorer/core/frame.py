@@ -116,7 +116,7 @@ class Frame:
         if np.isfinite(s.rotation_distance):
             turn = np.degrees(abs(float(s.rotation_distance)))
             found.append(f"{turn:.1f}° from a singular rotation")
-        found.append(f"{number(1e3 * float(s.serial_distance), 3)} mm from a pantograph's limit")
+        found.append(f"{number(1e3 * float(s.serial_distance), 3)} mm from a pantograph’s limit")
         return ", ".join(found)
 
     @cached_property

@@ -339,7 +339,7 @@ class Session:
                 if self._closed:
                     return
                 log.exception("a session could not draw")
-                self.notify("Something went wrong", "Details are in the program's log.", bad=True)
+                self.notify("Something went wrong", "Details are in the program’s log.", bad=True)
                 # Once more, or it would go on showing what was before.
                 again = self._state is not failed
                 failed = self._state
@@ -393,7 +393,7 @@ class Session:
             if self._closed:
                 return
             log.exception("a request failed")
-            self.notify("Something went wrong", "Details are in the program's log.", bad=True)
+            self.notify("Something went wrong", "Details are in the program’s log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
         shown = self._shown(state)

@@ -63,7 +63,7 @@ class SliderGroup:
 
 GROUPS = (
     SliderGroup("Masses", "Platform and payload", ("platform.mass", "payload.mass")),
-    SliderGroup("Masses", "Payload's center", ("payload.height",), open=False),
+    SliderGroup("Masses", "Payload’s center", ("payload.height",), open=False),
     SliderGroup("Masses", "Links of each leg", ("links.",)),
     SliderGroup("Masses", "Joints of each leg", ("joints.",)),
     SliderGroup(

@@ -101,7 +101,7 @@ def _export(what: str, make: Make, session: Session) -> None:
         return
     except Exception:
         log.exception("an export failed")
-        session.notify("Not exported", "Details are in the program's log.", bad=True)
+        session.notify("Not exported", "Details are in the program’s log.", bad=True)
         return
     finally:
         session.exporting.release()  # before the file comes down: the next may follow

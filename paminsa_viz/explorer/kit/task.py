@@ -310,7 +310,7 @@ class Background:
                 continue
             except Exception:
                 log.exception("a job in the background failed: %s", self._name)
-                error = PaminsaError("it failed; details are in the program's log")
+                error = PaminsaError("it failed; details are in the program’s log")
                 outcome = Outcome(run.job, error=error)
             if self.wanted is run:
                 self._deliver(run, outcome)

@@ -45,6 +45,7 @@ from paminsa_viz.trajectory.analysis import TrajectoryAnalysis, analyze
 from paminsa_viz.trajectory.check import ImpossibleTrajectory
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.units import as_sentence
 from paminsa_viz.version import MADE_BY
 
 FRAME_RATE = 30.0
@@ -250,7 +251,7 @@ def _notes(analysis: TrajectoryAnalysis) -> list[str]:
         *trajectory.notes,
     ]
     if left_out := equal_legs_note(analysis.design.deviations):
-        notes.append(f"{left_out.capitalize()}.")
+        notes.append(as_sentence(left_out))
     if failure is not None:
         played = "" if analysis.check.possible else " It is played up to there."
         notes.insert(0, f"The motion fails {failure.explanation}.{played}")

@@ -91,7 +91,7 @@ class BalanceSettings(Settings):
     )
     max_increase: float = setting(
         5.0, "Max increase [kg]",
-        "By how much each of them may grow; a link's inertia grows in proportion",
+        "By how much each of them may grow; a link’s inertia grows in proportion",
         range=(0.0, LARGEST_MASS), step=0.001,
     )  # fmt: skip
     max_decrease: float = setting(
@@ -178,7 +178,7 @@ def changes_of(settings: BalanceSettings, design: Design) -> Changes:
 class BalanceKind(Enum):
     """What is computed."""
 
-    PAPER = "the paper's balance"
+    PAPER = "the paper’s balance"
     OPTIMUM = "the optimal masses"
     FRONT = "the Pareto front"
     SENSITIVITY = "the sensitivity"

@@ -35,7 +35,7 @@ class DriveSettings(Settings):
     same: bool = setting(True, "M1–M3 alike", "The three rotary actuators have the same drive")
     inertia_ratio: float = setting(
         0.0, "Inertia ratio ≤",
-        "Largest inertia of the robot over that of the motor, at the motor's shaft",
+        "Largest inertia of the robot over that of the motor, at the motor’s shaft",
         range=(0.0, 1e6),
     )  # fmt: skip
     dwell: float = setting(

@@ -90,7 +90,7 @@ _FLOOR = "features.maps.floor:FloorMap"
 register(
     Layer("mesh", "Robot", "The machine itself", "scene.bodies:Bodies", default=True),
     Layer(
-        "skeleton", "Skeleton", "Bars as lines, with the paper's joint numbers",
+        "skeleton", "Skeleton", "Bars as lines, with the paper’s joint numbers",
         "scene.mechanism:skeleton", shortcut="K",
     ),
     Layer(
@@ -136,7 +136,7 @@ register(
     Layer("wrench_solid", "Wrench polytope",
           "Horizontal forces and M_z / R_pl that the actuators hold", "scene.forces:wrench_solid"),
     Layer("joint_forces", "Joint forces",
-          "Forces at the joints in the legs' planes, at rest or of the motion, to a stated scale",
+          "Forces at the joints in the legs’ planes, at rest or of the motion, to a stated scale",
           "features.loads.layers:joint_arrows", legend="features.loads.layers:arrows_meaning"),
     Layer("utilization", "Bars by load", "Stress of the bars over the yield stress",
           "features.loads.layers:bar_sleeves"),
@@ -182,7 +182,7 @@ register(
           "features.motion.layers:WantedPose", default=True),
     Layer(
         "escape_twist", "Escape twist",
-        "Where the motion crosses a singularity: the platform's motion that no actuator feels",
+        "Where the motion crosses a singularity: the platform’s motion that no actuator feels",
         "features.motion.escape:escape_arrows", default=True,
         legend="features.motion.escape:escape_meaning",
     ),
@@ -198,9 +198,9 @@ register(
     Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
           "features.stiffness.layers:compliance"),
     Layer("drive_errors", "Drive errors",
-          "Where the platform's center may be within the drives' errors, to a stated scale",
+          "Where the platform’s center may be within the drives’ errors, to a stated scale",
           "features.accuracy.layers:drive_error_nodes"),
-    Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
+    Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg’s plane",
           "features.clearance.layers:contact_marks"),
     Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
           "features.clearance.layers:nearest_bodies"),

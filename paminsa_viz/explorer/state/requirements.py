@@ -117,7 +117,7 @@ class LargestSettings(Settings):
     growth: str = setting(
         "ALL", "Grows", "The other extents are those of the required workspace"
     )  # fmt: skip
-    free: bool = setting(False, "Free center", "Otherwise the required workspace's, or home")
+    free: bool = setting(False, "Free center", "Otherwise the required workspace’s, or home")
     seconds: float = setting(
         15.0, "Time limit [s]", "Longer proofs leave a smaller gap", range=(1.0, 600.0)
     )

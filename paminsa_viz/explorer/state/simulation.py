@@ -55,7 +55,7 @@ class SimulationSettings(Settings):
         },
     )  # fmt: skip
     bandwidth: float = setting(
-        3.0, "Bandwidth [Hz]", "Of the error's own motion; the gains follow from it",
+        3.0, "Bandwidth [Hz]", "Of the error’s own motion; the gains follow from it",
         range=(0.0, 50.0), step=0.5,
     )  # fmt: skip
     damping: float = setting(

@@ -83,7 +83,7 @@ class SynthesisSettings(Settings):
     )
     tube_masses: bool = setting(
         False, "Masses of tubes",
-        "Whether bars weigh what their tubes do, by section and length, in place of the design's "
+        "Whether bars weigh what their tubes do, by section and length, in place of the design’s "
         "masses in proportion to the length",
     )  # fmt: skip
     effort: EffortChoice = setting(

@@ -29,7 +29,7 @@ REACH = "reach_margin"
 """Quantity of the registry that is the distance to the nearest limit of reach."""
 
 DIMENSIONS: dict[str, str] = {
-    "workspace.z": "height of the workspace's center",
+    "workspace.z": "height of the workspace’s center",
     "workspace.width": "diameter of the workspace, or its extent along x and y",
     "workspace.height": "height of the workspace",
 }
@@ -218,7 +218,7 @@ class SynthesisCase:
             if paths.count(path) > 1:
                 raise InvalidInput(path, "it is searched twice")
         if "workspace.z" in paths and workspace.center[2] is not None:
-            raise InvalidInput("workspace.z", "it is given by the workspace's center already")
+            raise InvalidInput("workspace.z", "it is given by the workspace’s center already")
         if GUIDE in paths and self.guide is Guide.FOLLOWS:
             raise InvalidInput(GUIDE, 'it is searched only with guide = "kept"')
         if ARM in paths and self.arm_follows:

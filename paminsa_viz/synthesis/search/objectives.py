@@ -109,7 +109,7 @@ OBJECTIVES: dict[str, Objective] = {
     for item in (
         Objective(
             "footprint", "footprint radius",
-            "Radius R_f about z swept by joints 5, 8, 9 and the guides' ends over the workspace",
+            "Radius R_f about z swept by joints 5, 8, 9 and the guides’ ends over the workspace",
             "m",
             lambda trial: trial.footprint,
         ),

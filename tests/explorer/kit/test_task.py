@@ -154,7 +154,7 @@ def test_a_result_and_an_equal_start_in_one_turn_run_once_more(bench: Bench) -> 
     assert bench.ran == [0.1, 0.1]
 
 
-@pytest.mark.parametrize(("job", "problem"), [(2.0, "Not possible."), (0.0, "the program's log")])
+@pytest.mark.parametrize(("job", "problem"), [(2.0, "Not possible."), (0.0, "the program’s log")])
 def test_errors_are_the_outcome_and_unexpected_ones_are_logged(
     caplog: pytest.LogCaptureFixture, job: float, problem: str
 ) -> None:

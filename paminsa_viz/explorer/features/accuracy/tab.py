@@ -51,7 +51,7 @@ def _choices(state: State) -> dict[str, Effect]:
         found["Default"] = partial(actions.change_design, accuracy=DriveAccuracy())
     measured = design.accuracy.with_encoders(design.drives)
     if measured != design.accuracy:
-        found["Drives' encoders"] = partial(actions.change_design, accuracy=measured)
+        found["Drives’ encoders"] = partial(actions.change_design, accuracy=measured)
     return found
 
 
@@ -85,7 +85,7 @@ DRIVES_ACCURACY = (
     ),
     layer_switch(
         "accuracy.layer", "drive_errors", "Show in scene",
-        "Where the platform's center may be, to a stated scale", undo=False,
+        "Where the platform’s center may be, to a stated scale", undo=False,
     ),
     ButtonGroup(
         "accuracy.map", "Single map",

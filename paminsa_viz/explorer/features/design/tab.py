@@ -77,7 +77,7 @@ def resets(group: SliderGroup, state: State) -> Mapping[str, Effect]:
 def _folder(group: SliderGroup) -> Folder:
     reset = ButtonGroup(
         f"reset.{group.prefixes[0]}", "Reset to App. 4", choices=partial(resets, group),
-        hint="Set one value, or all of this group, back to Appendix 4's",
+        hint="Set one value, or all of this group, back to Appendix 4’s",
     )  # fmt: skip
     entries = (*(_hinted(parameter) for parameter in group.parameters), reset)
     return Folder(f"design.{group.title}", group.title, open=group.open, entries=entries)

@@ -221,7 +221,7 @@ DRIVES = (
     *map(_setting, ("order", "same")),
     Checkbox(
         "drives.any_ratio", "Any inertia ratio",
-        hint="Of the robot over the motor, at the motor's shaft; otherwise it is limited",
+        hint="Of the robot over the motor, at the motor’s shaft; otherwise it is limited",
         read=lambda state: not _limits_ratio(state),
         apply=lambda state, any_ratio: state.updated(
             "drives.settings", inertia_ratio=0.0 if any_ratio else USUAL_RATIO

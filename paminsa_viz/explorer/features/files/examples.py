@@ -66,7 +66,7 @@ def _in_cylinder(state: State) -> State:
 
 EXAMPLES: tuple[Example, ...] = (
     Example(
-        "appendix-4", "Appendix 4", "The paper's prototype: gravity loads M1 to M3.",
+        "appendix-4", "Appendix 4", "The paper’s prototype: gravity loads M1 to M3.",
         ExampleDesign.APPENDIX_4, "Pose",
     ),
     Example(

@@ -37,7 +37,7 @@ def status_html(frame: Frame) -> str:
         return IDENTIFY.text(state, "identify-status", "Identifying …", "Not identified")
     lines = [f"{cause.text}: {cause_size(cause)}" for cause in found.causes.named]
     if found.identification.identity.holds is False:
-        lines.append("the masses' identity fails: a spring, or another law")
+        lines.append("the masses’ identity fails: a spring, or another law")
     if problem := found.identification.problem:
         lines.append(problem)
     good = not lines

@@ -102,7 +102,7 @@ def motion(frame: Frame) -> str:
     if not view.along:
         return ""
     if frame.analysis is None:
-        return note("loads-problem", "There is no motion; see the section “Path”.")
+        return note("loads-problem", "There is no motion; see the section Path.")
     if outcome is None or not is_current(frame.state):
         return note("loads-problem", "Computing …", muted=True)
     if outcome.result is None:

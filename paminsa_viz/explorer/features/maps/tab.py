@@ -156,7 +156,7 @@ def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
         *switch_entries(name),
         Button(
             f"{name}.figure_3", "Fig. 3", effect=show_figure_3,
-            hint="As the paper's Fig. 3: θ = 60°, three torques on one range",
+            hint="As the paper’s Fig. 3: θ = 60°, three torques on one range",
         ),
     )  # fmt: skip
 

@@ -34,7 +34,7 @@ MOTIONS: dict[str, str | Kind] = {
 """The key of a preset or the kind of a motion that is built, by its text."""
 
 TIMINGS = {
-    "the preset's": Timing.OWN,
+    "the preset’s": Timing.OWN,
     "given": Timing.GIVEN,
     "shortest within limits": Timing.SHORTEST,
     "shortest, law kept": Timing.STRETCHED,
@@ -70,7 +70,7 @@ def file_html(frame: Frame) -> str:
     lines = [] if table is None else [
         (table.name, f", {counted(table.size, 'row')}"),
         *(("", note) for note in table.notes),
-        ("", "A file's motion is not kept over a reload, nor in a share code."),
+        ("", "A file’s motion is not kept over a reload, nor in a share code."),
     ]  # fmt: skip
     return render("motion/file.j2", lines=lines)
 
@@ -168,7 +168,7 @@ DESCRIPTION: tuple[Entry, ...] = (
     _setting("back", visible=_planned),
     Dropdown(
         "motion.timing", "Duration", options=timing_options, visible=_planned,
-        hint="Given, or the shortest within limits, by the time-optimal law or the motion's own",
+        hint="Given, or the shortest within limits, by the time-optimal law or the motion’s own",
         read=current_timing,
         apply=lambda state, timing: motions.change(state, timing=timing),
     ),

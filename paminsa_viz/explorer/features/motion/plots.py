@@ -84,7 +84,7 @@ INPUTS = (
     _engine_switch("plots.pinocchio", "Pinocchio", 6.6),
     Checkbox(
         "plots.published", "As published", order=7,
-        hint="Dotted: what the paper's formulas give with all their misprints",
+        hint="Dotted: what the paper’s formulas give with all their misprints",
         visible=lambda state: state.plots.plot in (*COMPARED, "differences"),
         **attribute("plots.published"),
     ),
@@ -208,7 +208,7 @@ def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, 
     if found is None:
         return render("motion/empty.j2", text=status_line(state, None)[1])
     if not drawn:
-        text = "nothing has been simulated yet: press Simulate in the section “Simulate”"
+        text = "nothing has been simulated yet: press Simulate in the section Simulate"
         if SIMULATION.runs(state):
             text = "Simulating …"
         return render("motion/empty.j2", text=text)

@@ -133,7 +133,7 @@ POINTS: tuple[Entry, ...] = (
         "motion.draw",
         lambda state: "Stop drawing on the maps" if motions.is_drawing(state)
         else "Draw on a map…",
-        hint="Each click on a map adds a waypoint, at the map's θ and z", color="gray",
+        hint="Each click on a map adds a waypoint, at the map’s θ and z", color="gray",
         effect=Run(
             lambda session: switch_drawing(session, not motions.is_drawing(session.state)),
             at_once=True,

@@ -173,7 +173,7 @@ const createPlayback = ({ current, request, move, release, say }) => {
       + `${largest.map((value) => number(value, 2 + robot.spare.torque)).join(", ")} N·m`);
     const notes = [`t = ${number(time, 2)} s; largest |τ₁|, |τ₂|, |τ₃|: ${largest.map((value) => number(value, 2 + robot.spare.torque)).join(", ")} N·m.`];
     if (motion.blocked >= 0) notes.push(`Out of reach at ${number(motion.times[motion.blocked], 2)} s.`);
-    if (doc.drives) notes.push("Friction and inertia of the design's drives are not counted here.");
+    if (doc.drives) notes.push("Friction and inertia of the design’s drives are not counted here.");
     find("moment").textContent = notes.join(" ");
     const parts = torqueParts(robot, motion.at(time));
     fill("causes", [...CAUSES, "total"].map((cause) =>

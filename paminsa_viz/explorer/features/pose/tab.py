@@ -236,7 +236,7 @@ POSE = (
     Html("readout.quality", content=quality_html),
     Number(
         "pose.condition_limit", "Largest condition number", range=(1.5, 1e6), step=1.0,
-        hint="Poses with a larger condition number, and those within 10 mm (at Appendix 4's "
+        hint="Poses with a larger condition number, and those within 10 mm (at Appendix 4’s "
         "lengths, else in proportion) of a stretched or folded pantograph or of a leg axis, are "
         "too close to a singularity: torques grow without bound. The status warns of them, and "
         "statistics and the balance leave them out.",

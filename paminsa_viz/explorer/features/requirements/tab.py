@@ -208,7 +208,7 @@ REQUIREMENTS = (
     Folder("requirements.workspace", "Headings and workspace", entries=WORKSPACE),
     Checkbox(
         "requirements.hatched", "Hatch the maps", visible=_asked,
-        hint="Cells that break a requirement at the maps' θ and z, in its color",
+        hint="Cells that break a requirement at the maps’ θ and z, in its color",
         **attribute("map_view.hatched"),
     ),
     Answer(

@@ -287,7 +287,7 @@ STIFFNESS = (
         entries=tuple(map(_joint, JOINTS)),
     ),
     Folder(
-        "stiffness.section", "Sections that are no tubes, 0: the tube's", open=False,
+        "stiffness.section", "Sections that are no tubes, 0: the tube’s", open=False,
         entries=(
             _setting("bar"),
             _section("area", "Area", 1.0),

@@ -93,7 +93,7 @@ def case_of(
     """
     if requirements.workspace is None:
         raise InvalidInput(
-            "workspace", "a required workspace is needed; choose one in the section “Requirements”"
+            "workspace", "a required workspace is needed; choose one in the section Requirements"
         )
     ranges = ranges_of(settings, design, requirements)
     held = {

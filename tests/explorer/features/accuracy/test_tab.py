@@ -91,7 +91,7 @@ def test_encoders_of_the_drives_are_offered() -> None:
     assert group("accuracy.reset", state) == {}
     drive = Drive(encoder_counts=5000, gear_ratio=20)
     state = actions.load_design(state, replace(APPENDIX_4, drives=(drive, None, None, None)))
-    taken = group("accuracy.reset", state)["Drives' encoders"](state).document.design.accuracy
+    taken = group("accuracy.reset", state)["Drives’ encoders"](state).document.design.accuracy
     assert taken.resolution_rotary == pytest.approx(2 * np.pi / 1e5)
     assert taken.resolution_linear == DriveAccuracy().resolution_linear
 
