@@ -16,6 +16,10 @@ LIFT_COLOR = "#7A5195"
 ACTUATOR_COLORS: tuple[str, str, str, str] = (*LEG_COLORS, LIFT_COLOR)
 
 INK = "#1f2933"
+COORDINATE_COLORS: tuple[str, str, str, str] = ("#B5127E", "#857000", "#6B4F2A", INK)
+"""Coordinates x, y, θ, z of the platform, so that none is taken for an actuator: none has the hue
+of one, and x, y and z, which share a chart, differ in lightness as well."""
+
 MUTED = "#7b8794"
 PLATFORM = "#c9ced6"
 REFERENCE = "#555555"
@@ -85,6 +89,7 @@ DARK = Theme(
     reachless="#34383d", hatch="#4d545c", backdrop=("#4a525c", "#23282e"),
     changes={
         "#0072B2": "#4fa8e0", "#D55E00": "#f08a3c", "#009E73": "#2fc398", "#7A5195": "#b892d4",
+        "#B5127E": "#ff6fb5", "#857000": "#d9c33a", "#6B4F2A": "#caa07a",
         INK: "#e6e9ec", MUTED: "#a3acb5", REFERENCE: "#b4b9be", "#6b6b6b": "#a8a8a8",
         "#b5121b": "#ff8d80", "#000000": "#ffffff", BAD: "#ff7466",
     },

@@ -15,7 +15,15 @@ from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
 from paminsa_viz.elastostatics.motion_loads import motion_loads
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.drive import SPEED_UNITS, TORQUE_UNITS
-from paminsa_viz.palette import ACTUATOR_COLORS, INK, LEG_COLORS, MUTED, OK, REFERENCE
+from paminsa_viz.palette import (
+    ACTUATOR_COLORS,
+    COORDINATE_COLORS,
+    INK,
+    LEG_COLORS,
+    MUTED,
+    OK,
+    REFERENCE,
+)
 from paminsa_viz.plots.series import (
     FIGURES,
     TITLES,
@@ -257,7 +265,7 @@ def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[i
 
 def _coordinates(suffix: str = "") -> Iterator[tuple[int, SeriesPanel]]:
     for i, (name, unit) in enumerate(POSE_UNITS.items()):
-        yield i, SeriesPanel(name, name, name, unit + suffix, INK)
+        yield i, SeriesPanel(name, name, name, unit + suffix, COORDINATE_COLORS[i])
 
 
 def _torques(sources: SeriesSources) -> Iterator[SeriesPanel]:
@@ -347,18 +355,18 @@ def _pose(sources: SeriesSources) -> Iterator[SeriesPanel]:
         speed = _size_text(t.velocity[:, i], f"{panel.unit}/s")
         acceleration = _size_text(t.acceleration[:, i], f"{panel.unit}/s²")
         note = f"speed up to {speed}, acceleration up to {acceleration}"
-        yield replace(panel, traces=(_of_platform(t.pose[:, i]),), notes=((note, MUTED),))
+        yield replace(_of_platform(panel, t.pose[:, i]), notes=((note, MUTED),))
 
 
 def _rates(attribute: str, per: str, sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield speeds or accelerations of the platform."""
     rates: Values = getattr(sources.analysis.trajectory, attribute)
     for i, panel in _coordinates(per):
-        yield replace(panel, traces=(_of_platform(rates[:, i]),))
+        yield _of_platform(panel, rates[:, i])
 
 
-def _of_platform(values: Values) -> Trace:
-    return Trace("motion", values, INK, width=1.3, suffix="")
+def _of_platform(panel: SeriesPanel, values: Values) -> SeriesPanel:
+    return replace(panel, traces=(Trace("motion", values, panel.color, width=1.3, suffix=""),))
 
 
 def _tracking(sources: SeriesSources) -> Iterator[SeriesPanel]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model import APPENDIX_4, Design, lift_constant
 from paminsa_viz.model.resizing import length_ratio
-from paminsa_viz.palette import BAD, INK, LIGHT, Theme
+from paminsa_viz.palette import BAD, LIGHT, Theme
 from paminsa_viz.plots.series import (
     Dash,
     SeriesData,
@@ -40,7 +40,6 @@ _MARK = {"show": True, "size": 5, "width": 1}
 _DASHES: dict[Dash, tuple[int, ...]] = {
     "solid": (), "dashed": (6, 4), "dotted": (2, 3), "dashdot": (8, 3, 2, 3)
 }  # fmt: skip
-_COORDINATE_COLORS = {"x": "#0072B2", "y": "#D55E00", "θ": INK, "z": "#009E73"}
 
 _TURNING, _LIFTING = (0, 1, 2), (3,)
 _PLACE, _ANGLE = (0, 1, 3), (2,)
@@ -148,7 +147,7 @@ def _color(panel: SeriesPanel, trace: Trace) -> str:
     """Return the color of a trace next to those of other panels."""
     if trace.suffix is None or trace.marks:
         return trace.color
-    return _COORDINATE_COLORS.get(panel.source, panel.color)
+    return panel.color
 
 
 class ChartShape(NamedTuple):

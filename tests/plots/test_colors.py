@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.palette import rgb
+from paminsa_viz.palette import ACTUATOR_COLORS, COORDINATE_COLORS, DARK, LIGHT, Theme, rgb
 from paminsa_viz.plots import colors
 
 EYES = {
@@ -24,6 +24,32 @@ def seen(table: np.ndarray, eye: str) -> np.ndarray:
     linear = np.clip(linear @ np.transpose(EYES[eye]), 0, 1)
     back = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return colors.oklab(back)
+
+
+def shown(colors_of: tuple[str, ...], theme: Theme) -> np.ndarray:
+    """Return colors of the data (n, 3) as they are drawn on a theme's ground, 0 to 1."""
+    return np.array([rgb(theme.shown(color)) for color in colors_of]) / 255
+
+
+def contrast(color: np.ndarray, ground: np.ndarray) -> float:
+    """Return the contrast of two colors as WCAG 2 defines it."""
+    linear = [
+        np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4) for c in (color, ground)
+    ]
+    low, high = sorted(float(c @ [0.2126, 0.7152, 0.0722]) for c in linear)
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("theme", [LIGHT, DARK], ids=["light", "dark"])
+def test_coordinates_are_told_apart_and_taken_for_no_actuator(theme: Theme) -> None:
+    ground, own = shown((theme.paper,), theme)[0], shown(COORDINATE_COLORS, theme)
+    assert min(contrast(color, ground) for color in own) > 4.5
+    for eye in EYES:
+        x, y, _, z = seen(own, eye)
+        assert min(np.linalg.norm(one - other) for one, other in ((x, y), (y, z), (z, x))) > 0.12
+    actuators = seen(shown(ACTUATOR_COLORS, theme), "usual")
+    apart = np.linalg.norm(seen(own, "usual")[:, None] - actuators, axis=-1)
+    assert apart.min() > 0.08
 
 
 @pytest.mark.parametrize("eye", EYES)

@@ -28,7 +28,7 @@ from paminsa_viz.explorer.state.outcome import solve
 from paminsa_viz.explorer.state.simulation import SimulationJob, SimulationSettings
 from paminsa_viz.explorer.state.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, InvalidInput, Misprint
-from paminsa_viz.palette import MUTED
+from paminsa_viz.palette import COORDINATE_COLORS, MUTED
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
@@ -258,6 +258,9 @@ def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> No
         exports.curves_table(heavier, "csv")  # and not the motion in its place
     place, turn = drawn_charts(done, analyzed(done))
     assert "[mm]" in place.title
+    x, y, theta, z = COORDINATE_COLORS
+    colors = [[trace.color for trace in chart.traces] for chart in (place, turn)]
+    assert colors == [[x, y, z], [theta]]
     error = np.degrees(outcome.result.error[:, 2])
     np.testing.assert_allclose(turn.traces[0].values, error, rtol=1e-12)
 
