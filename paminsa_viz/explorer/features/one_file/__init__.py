@@ -44,7 +44,7 @@ from paminsa_viz.model.lumped import MASS_PATHS, Masses, coefficients_of_masses
 from paminsa_viz.model.parameters import possible_range
 from paminsa_viz.model.reach import MARGINS
 from paminsa_viz.old_names import KNEES
-from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme
+from paminsa_viz.palette import ACTUATOR_COLORS, DARK, INK, LIGHT, Theme
 from paminsa_viz.plots import colors
 from paminsa_viz.units import symbols_html
 from paminsa_viz.version import MADE_BY
@@ -75,8 +75,8 @@ SHOWN_TABS = ("Lengths", "Masses", "Load")
 """Sections of the design's numbers that change what the page shows."""
 
 SCRIPTS = (
-    "documents", "robot", "motion", "bodies", "scene", "view", "numbers", "pictures", "maps",
-    "playback", "page",
+    "documents", "robot", "motion", "bodies", "scales", "scene", "view", "numbers", "pictures",
+    "maps", "playback", "page",
 )  # fmt: skip
 """What the page runs, a file each, in this order."""
 
@@ -126,7 +126,9 @@ def _text(name: str) -> str:
 
 
 def _colors(selector: str, theme: Theme) -> str:
-    names = ("paper", "ink", "muted", "faint", "good", "warn", "bad", "reachless")
+    names = (
+        "paper", "ink", "soft_ink", "muted", "faint", "good", "warn", "bad", "reachless", "hatch",
+    )  # fmt: skip
     top, bottom = theme.backdrop
     backdrop = f"--backdrop: linear-gradient({top}, {bottom});"
     pairs = [f"--{name}: {getattr(theme, name)};" for name in names]
@@ -157,6 +159,7 @@ def _data(document: Document) -> dict[str, Any]:
         "leastSteps": LEAST_STEPS,
         "limits": [limit.label for limit in MARGINS],
         "colors": _map_colors(),
+        "ink": INK,
         "motions": motions_data(),
         "meshes": pack_bodies(document.design.geometry),
         "pose": [_slider(entry, state) for entry in POSE if isinstance(entry, Slider)],

@@ -6,6 +6,7 @@
   const back = [];
   const forward = [];
   let moving = false;
+  let onPaper = false;
 
   // --- the document ---------------------------------------------------------------------------
   const say = (text) => {
@@ -299,7 +300,7 @@
     buttons["Balance by m₇"].disabled = !(balancedMass(robot, doc) >= 0);
     writeNumbers(robot, doc, solved);
     playback.draw();
-    const { pictures, radius, singular } = maps.draw(solved.torques, moving);
+    const { pictures, radius, singular } = maps.draw(solved.torques, moving, onPaper);
     const chosen = find("floor").value;
     if (shown)
       view.draw({
@@ -319,8 +320,16 @@
   find("about").textContent = `Written by ${PAGE.madeBy}. All numbers are computed here by the same `
     + `formulas. Only in the served page (pip install, then paminsa-viz): ${PAGE.onlyServed}.`;
   new ResizeObserver(() => doc && request()).observe(find("pictures"));
-  // Firefox prints of the robot what was drawn in the same task, else nothing.
-  window.addEventListener("beforeprint", () => doc && draw());
+  // Paper is light. Firefox prints of the robot what was drawn in the same task, else nothing.
+  let wasDark = false;
+  const setPaper = (paper) => {
+    if (paper && !onPaper) wasDark = isDark();
+    onPaper = paper;
+    document.documentElement.classList.toggle("dark", wasDark && !paper);
+    if (doc) draw();
+  };
+  window.addEventListener("beforeprint", () => setPaper(true));
+  window.addEventListener("afterprint", () => setPaper(false));
   window.addEventListener("hashchange", () => window.location.hash !== address && openHash());
   const begin = async () => {
     const linked = await openHash();

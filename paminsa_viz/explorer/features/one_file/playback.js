@@ -25,7 +25,7 @@ const drawCurves = (canvas, curves, times, now, unit) => {
     draw.moveTo(left, up(tick * step));
     draw.lineTo(right, up(tick * step));
     draw.stroke();
-    draw.fillText(String(Number((tick * step).toPrecision(6))), left - 4, up(tick * step) + 4);
+    draw.fillText(roundText(tick * step), left - 4, up(tick * step) + 4);
   }
   draw.fillText(`${times[times.length - 1].toFixed(2)} s`, right, height - 5);
   draw.textAlign = "left";

@@ -198,13 +198,21 @@ def test_drives_are_pinned_and_saved_and_what_a_file_lacks_is_said(opened: Opene
     assert "without the requirements" in page.locator("#message").inner_text()
 
 
+MIDDLE = """(width) => {
+  const most = Math.max(SHARE * innerHeight, 10 * LETTERS);
+  const { panels: [, { left, top }], side } = layoutOf(width, most, LETTERS, 457);
+  return [left + side / 2, top + side / 2];
+}"""
+"""Where the middle of the second map is in the picture of all [px]."""
+
+
 @pytest.mark.browser
 @pytest.mark.slow
 def test_click_on_a_map_goes_there_and_the_knee_is_mirrored(opened: Opened) -> None:
     opened.open(share_code(START))
-    canvas = opened.page.locator("#maps canvas").nth(1)
-    box = canvas.bounding_box()
-    opened.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    box = opened.page.locator("#map").bounding_box()
+    x, y = opened.page.evaluate(MIDDLE, box["width"])
+    opened.page.mouse.click(box["x"] + x, box["y"] + y)
     opened.wait(lambda found: max(map(abs, found.pose[:2])) < 2e-3)
     assert "τ₂" in opened.page.locator("#hover").inner_text()
     opened.page.get_by_label("Knee branch").select_option("upper")

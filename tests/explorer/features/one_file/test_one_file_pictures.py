@@ -135,8 +135,10 @@ def test_a_robot_of_millimeters_is_stepped_and_seen_as_closely_as_a_large_one(
         assert np.hypot(nearer[0] - 0.5, nearer[1] - 0.5) > np.hypot(u - 0.5, v - 0.5)
         assert "at x 0.800 mm, y 0.500 mm" in (canvas.get_attribute("aria-label") or "")
         page.get_by_role("button", name="Balance by m₇").click()  # but for rounding
-        caption = page.locator("#maps figcaption").first
-        until(lambda: caption.inner_text() == "τ₁: ±0.000000010 N·m", "it is one of the last digit")
+        caption = page.locator("#caption")
+        until(lambda: "z = −5.500 mm: 0 everywhere" in caption.inner_text(), "nothing is drawn")
+        label = page.locator("#map").get_attribute("aria-label") or ""
+        assert "colors from −1·10⁻⁸ to 1·10⁻⁸ N·m" in label, "it is one of the last digit"
         assert opened.errors == []
     finally:
         opened.context.close()
@@ -146,17 +148,64 @@ def test_maps_show_the_difference_from_the_pinned_design(opened: Opened) -> None
     opened.open(share_code(OTHER))
     page = opened.page
     page.get_by_label("Maps", exact=True).select_option("difference")
-    canvas = page.locator("#maps canvas").first
-    box = canvas.bounding_box()
-    canvas.hover(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
-    text = until(
-        lambda: (t := page.locator("#hover").inner_text()) and "Δτ₁" in t and t, "it is said"
-    )
-    x, y = (float(n.replace("−", "-")) / 1e3 for n in re.findall(r"[xy] ([−\d.]+) mm", text))
+    page.locator("#map").focus()
+    page.keyboard.press("ArrowRight")
+    text = until(lambda: (t := page.locator("#hover").inner_text()) and "Δτ₁" in t and t, "is said")
+    x, y = (float(n.replace("−", "-")) / 1e3 for n in re.findall(r"[xy] = ([−\d.]+) mm", text))
     pose = (x, y, *OTHER.pose[2:])
-    wanted = static_torques(OTHER.design, pose)[0] - static_torques(APPENDIX_4, pose)[0]
-    shown = float(text.split("τ₁ ")[1].removesuffix(" N·m").replace("−", "-"))
-    assert shown == pytest.approx(wanted, abs=2e-3)
+    wanted = static_torques(OTHER.design, pose) - static_torques(APPENDIX_4, pose)
+    shown = [float(n.replace("−", "-")) for n in re.findall(r"Δτ. = ([−\d.]+)", text)]
+    assert shown == pytest.approx(wanted[:3], abs=2e-3)
+    assert "difference from “Appendix 4”, at θ = 22.92°" in page.locator("#caption").inner_text()
+
+
+def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    canvas, says = page.locator("#map"), page.locator("#hover")
+    hint = says.inner_text()
+    canvas.focus()
+    for key in ("ArrowRight", "ArrowRight", "ArrowDown"):
+        page.keyboard.press(key)
+    torques = static_torques(APPENDIX_4, (0.1, 0.04, *START.pose[2:]))
+    texts = [f"τ{'₁₂₃'[i]} = {torques[i]:.3f}".replace("-", "−") for i in range(3)]
+    assert says.inner_text() == f"x = 100.0 mm, y = 40.0 mm: {', '.join(texts)} N·m"
+    assert opened.document() == START, "it is only read"
+    page.keyboard.press("Enter")
+    opened.wait(lambda found: found.pose == (0.1, 0.04, *START.pose[2:]))
+    page.keyboard.press("Escape")
+    assert says.inner_text() == hint
+
+    touch = """(canvas, [kind, x, y]) => canvas.dispatchEvent(new PointerEvent(kind, {
+      pointerType: "touch", pointerId: 9, clientX: x, clientY: y, bubbles: true}))"""
+    box = canvas.bounding_box()
+    x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"]
+    before = opened.document()
+    for kind in ("pointerdown", "pointercancel"):  # the browser scrolls the page
+        canvas.evaluate(touch, [kind, x, y])
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    assert "x 100.0 mm, y 40.0 mm" in (page.locator("#robot").get_attribute("aria-label") or "")
+    for kind in ("pointerdown", "pointerup"):
+        canvas.evaluate(touch, [kind, x, y])
+    moved = opened.wait(lambda found: found != before)
+    assert f"x = {1e3 * moved.pose[0]:.1f} mm".replace("-", "−") in says.inner_text()
+
+
+def test_paper_is_light_and_its_maps_sharp(opened: Opened) -> None:
+    opened.open(share_code(START))
+    page = opened.page
+    page.get_by_role("button", name="Light / dark").click()
+    found = page.evaluate("""() => {
+      const state = () => [document.documentElement.className, find("map").width];
+      const box = JSON.stringify(find("robot").getBoundingClientRect());
+      window.dispatchEvent(new Event("beforeprint"));
+      const paper = [...state(), JSON.stringify(find("robot").getBoundingClientRect()) === box];
+      window.dispatchEvent(new Event("afterprint"));
+      return [paper, state()];
+    }""")
+    assert found[0] == ["", 2100, True], "WebGL prints nothing once its canvas has another size"
+    assert found[1][0] == "dark"
+    page.get_by_role("button", name="Light / dark").click()
 
 
 AT_ONCE = """() => {
@@ -189,8 +238,9 @@ def test_saved_maps_are_light_and_say_what_they_are_of(opened: Opened) -> None:
         saved.append(Path(waiting.value.path()).read_bytes())
         page.get_by_role("button", name="Light / dark").click()
     assert saved[0] == saved[1]
-    corner = np.asarray(Image.open(io.BytesIO(saved[0])).convert("RGB"))[40, 20]
-    assert tuple(corner) == rgb(LIGHT.reachless)
+    colored = np.asarray(Image.open(io.BytesIO(saved[0])).convert("RGB"))
+    assert tuple(colored[1, 1]) == rgb(LIGHT.paper)
+    assert (colored == rgb(LIGHT.reachless)).all(axis=2).mean() > 0.1
     text = "\n".join(page.evaluate("window.written"))
     for part in (
         "“Light, 3 kg”",
@@ -198,7 +248,9 @@ def test_saved_maps_are_light_and_say_what_they_are_of(opened: Opened) -> None:
         "θ = 22.92°",
         "z = −550.0 mm",
         "x = 50.0 mm",
-        "N·m",
+        "x [mm]",
+        "y [mm]",
+        "[N·m]",
     ):
         assert part in text
 
@@ -245,9 +297,10 @@ CIRCLE = """(ground) => {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 200;
   const draw = canvas.getContext("2d");
-  document.documentElement.style.setProperty("--reachless", ground);
-  drawMap(draw, 200, new ImageData(2, 2), [0, 0], 1, 0.8);
-  document.documentElement.style.removeProperty("--reachless");
+  const shown = { extent: 1, singular: 0.8, pose: [0, 0], pointed: null };
+  const colors = { reachless: ground, hatch: ground };
+  const cells = canvasOf(new ImageData(2, 2));
+  drawMap(draw, { em: 14, side: 200 }, { left: 0, top: 0 }, cells, shown, colors);
   const found = [];
   for (let angle = 0; angle < 6.2; angle += 0.01) {
     const place = [100 + 80 * Math.cos(angle), 100 + 80 * Math.sin(angle)].map(Math.floor);
@@ -280,24 +333,28 @@ def test_contrast_names_and_roles(opened: Opened) -> None:
 def test_maps_follow_a_drag_of_theta(opened: Opened) -> None:
     opened.open(share_code(START))
     slider = opened.page.get_by_label("θ  [°], slider")
-    before = opened.page.locator("#maps figcaption").first.inner_text()
+    before = opened.page.locator("#caption").inner_text()
     drawn, cells = slider.evaluate("""async (slider) => {
       const drawn = () => Number(document.documentElement.dataset.drawn);
       const first = drawn();
       const cells = [];
+      const put = CanvasRenderingContext2D.prototype.putImageData;
+      CanvasRenderingContext2D.prototype.putImageData = function (picture, ...rest) {
+        window.cells = picture.width;
+        put.call(this, picture, ...rest);
+      };
       for (let step = 0; step < 40; step++) {
         slider.value = 10 + step;
         slider.dispatchEvent(new Event("input"));
         await new Promise(requestAnimationFrame);
-        if (drawn() > first) cells.push(drawMap.cells.width);
+        if (drawn() > first) cells.push(window.cells);
       }
       slider.dispatchEvent(new Event("change"));
       return [drawn() - first, cells];
     }""")
     assert drawn > 4  # of 40 steps, each with a frame of the browser: none waits for the end
-    at_rest = "drawMap.cells.width"
-    until(lambda: opened.page.evaluate(at_rest) > max(cells), "maps are finer at rest")
-    assert opened.page.locator("#maps figcaption").first.inner_text() != before
+    until(lambda: opened.page.evaluate("window.cells") > max(cells), "maps are finer at rest")
+    assert opened.page.locator("#caption").inner_text() != before
     opened.wait(lambda found: abs(found.pose[2] - np.radians(49.0)) < 1e-9)
     opened.page.get_by_role("button", name="Undo").click()
     opened.wait(lambda found: found == START)
