@@ -195,18 +195,16 @@ const drawMap = (draw, { em, side }, { left, top }, cells, { extent, singular, p
 const drawMaps = (draw, layout, maps, shown) => {
   const { em, side, panels } = layout;
   const colors = Object.fromEntries(["ink", "soft_ink", "reachless", "hatch"].map((name) => [name, colorOf(name)]));
+  draw.font = `bold ${1.15 * em}px system-ui, sans-serif`;
   maps.forEach(({ cells, name, color }, index) => {
-    const panel = panels[index];
-    drawMap(draw, layout, panel, cells, shown, colors);
-    draw.font = `bold ${1.15 * em}px system-ui, sans-serif`;
+    const { left, top } = panels[index];
+    drawMap(draw, layout, panels[index], cells, shown, colors);
     draw.fillStyle = colorOf(color);
-    letter(draw, name, panel.left + side / 2, panel.top - 0.5 * em, "center");
-    draw.font = `${em}px system-ui, sans-serif`;
-    draw.strokeStyle = colors.ink;
-    draw.lineWidth = 0.07 * em;
-    drawAxes(draw, layout, panel, colors);
+    letter(draw, name, left + side / 2, top - 0.5 * em, "center");
   });
+  draw.font = `${em}px system-ui, sans-serif`; // once: a font takes longer than a map
   draw.strokeStyle = colors.ink;
   draw.lineWidth = 0.07 * em;
+  for (const panel of panels) drawAxes(draw, layout, panel, colors);
   drawColorBar(draw, layout, shown.limit, colors);
 };
