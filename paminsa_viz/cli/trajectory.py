@@ -66,6 +66,19 @@ units go into the header (t_ms, x_mm, theta_deg). The ending of --out says what 
   .png .svg .pdf    a figure for print, see --figure
   .html             the motion with the robot, playable without a server
 
+Columns of a table that is written, in this order:
+  time, pose      t_s,x_m,y_m,theta_rad,z_m
+  rates           vx_m_s,vy_m_s,omega_rad_s,vz_m_s,ax_m_s2,ay_m_s2,alpha_rad_s2,az_m_s2
+  load            Fx_N,Fy_N,Fz_N,Mx_Nm,My_Nm,Mz_Nm          (where --file has one)
+  actuators       theta1_rad,theta2_rad,theta3_rad,Z_m, then their speeds
+                  theta1_rate_rad_s,theta2_rate_rad_s,theta3_rate_rad_s,Z_rate_m_s
+  torques         tau1_Nm,tau2_Nm,tau3_Nm,f4_N: in all, then by cause, tau1_gravity_Nm and so on:
+                  gravity, inertial, velocity, friction, load (where there is one)
+  power           power1_W,power2_W,power3_W,power4_W
+  whether reached status: ok, or why there are no torques
+With --simulate time, pose, velocity, wanted_x_m,wanted_y_m,wanted_theta_rad,wanted_z_m, torques in
+all, work_J,friction_loss_J,energy_drift_J.
+
 Exit code: 0 the robot can run the motion; 1 it cannot (leaves its workspace, comes too close to a
 singular pose, is too weak, or the simulation stopped), with the time and the reason; 2 a wrong
 argument or file."""

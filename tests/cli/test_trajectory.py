@@ -17,8 +17,8 @@ import pytest
 from PIL import Image
 
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.trajectory import FLAGS
-from paminsa_viz.files.columns import POSE, TORQUES
+from paminsa_viz.cli.trajectory import DESCRIPTION, FLAGS
+from paminsa_viz.files.columns import LOAD, PARTS, POSE, TORQUES, VELOCITY, part_columns
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.logs import read_log
 from paminsa_viz.identification import log_poses
@@ -108,6 +108,25 @@ def test_a_written_table_gives_the_same_again(capsys) -> None:
     np.testing.assert_allclose(numbers(read("b.csv"), TORQUES), first.torque, atol=1e-12)
     with np.load("b.npz") as arrays:
         np.testing.assert_array_equal(arrays["x_m"], first.trajectory.pose[:, 0])
+
+
+def test_help_lists_the_columns_of_a_written_table(capsys) -> None:
+    rows = [f"{time},0.1,0.0,0.0,-0.5,1,2,3,4,5,6" for time in (0.0, 0.05, 0.1)]
+    Path("motion.csv").write_text("\n".join([",".join(["t_s", *POSE, *LOAD]), *rows]))
+    assert run(capsys, "--file", "motion.csv", "--out", "a.csv")[0] == 0
+    assert run(capsys, "--simulate", "pd", "--rate", "50", "--out", "b.csv")[0] == 0
+    of_motion, of_simulation = (
+        DESCRIPTION[DESCRIPTION.index(first) : DESCRIPTION.index(last)]
+        for first, last in (("Columns of", "With --simulate"), ("With --simulate", "Exit code"))
+    )
+    names = re.compile(r"\b[a-zA-Z]+\d?_\w+|\bstatus")
+    by_cause = [name for part in PARTS for name in part_columns(part)]
+    assert ", ".join(PARTS) in of_motion
+    assert [n for n in read("a.csv") if n in by_cause] == by_cause
+    listed = [n for n in names.findall(of_motion) if n not in by_cause]
+    assert listed == [n for n in read("a.csv") if n not in by_cause]
+    common = ("t_s", *POSE, *VELOCITY, *TORQUES)
+    assert names.findall(of_simulation) == [n for n in read("b.csv") if n not in common]
 
 
 def test_the_shortest_motion_reaches_its_limit(capsys) -> None:
