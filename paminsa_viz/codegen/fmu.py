@@ -21,7 +21,7 @@ import numpy as np
 from paminsa_viz.codegen.add_platform import NotBuilt, with_platform
 from paminsa_viz.codegen.kit import design_header, header, template
 from paminsa_viz.engines.poses import start_pose
-from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.errors import InvalidInput, PaminsaError, printable
 from paminsa_viz.files.archives import zipped
 from paminsa_viz.model.accuracy import noting_equal_legs
 from paminsa_viz.model.arguments import of_design
@@ -106,7 +106,8 @@ def fmu_sources(design: Design, kind: FmuKind) -> dict[str, str]:
     }
     guid = uuid.uuid5(uuid.NAMESPACE_URL, repr((name, variables, sources)))
     sources["model.h"] = _model_header(variables, f"{{{guid}}}")
-    about = noting_equal_legs(DESCRIPTIONS[kind], design.deviations)
+    about = f'{DESCRIPTIONS[kind]}; design "{printable(design.name)}"'
+    about = noting_equal_legs(about, design.deviations)
     described = _description(kind, about, variables, f"{{{guid}}}", list(sources))
     return {
         "modelDescription.xml": described,

@@ -148,10 +148,14 @@ def controller_kit(design: Design, *, single: bool = False) -> dict[str, str]:
         f"{WORST_CONDITION:g} errors over\n  the largest value of a column of the table are, for "
         f"robots like the prototype, at most: {bounds}.\n  `./test` prints those of this design.\n"
     )
-    module = "| `paminsakins.comp` | the kinematics of LinuxCNC for this design |\n"
+    others = (
+        "| `paminsakins.comp` | the kinematics of LinuxCNC for this design |\n"
+        "| `fmu/` | with `paminsa-viz code --fmu`: FMUs (FMI 2.0), and `add_platform.py`, which "
+        "adds the binary of another platform to one |\n"
+    )
     readme = template(
         "README.md", NAME=design.name, VERSION=__version__, FLOAT=note if single else "",
-        MODULE="" if single else module,
+        OTHERS="" if single else others,
     )  # fmt: skip
     sources = {"paminsa.h": header(), "design.h": design_header(design), "test.c": test}
     if single:

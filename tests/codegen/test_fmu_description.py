@@ -52,6 +52,12 @@ def test_description_says_what_is_left_out_of_the_legs(kind: FmuKind) -> None:
     assert note == f"{plain}; legs are equal, the design's deviations of single legs are left out"
 
 
+def test_description_names_the_design() -> None:
+    for kind in KINDS:
+        named = described(replace(APPENDIX_4, name='Arm "2" <ä>\x01'), kind)
+        assert named.attrib["description"].endswith('; design "Arm "2" <ä>?"')
+
+
 def test_files_to_be_compiled_are_listed() -> None:
     """An importer that builds the binary itself compiles these, and takes the rest as headers."""
     for kind in KINDS:
