@@ -271,7 +271,7 @@ def platform_stiffness(
         lost = np.where(singular & (frame.status == Limit.OK), Limit.SINGULAR, frame.status)
         return lost.astype(np.uint8), frame.leg, inverse
 
-    return PlatformStiffness(design, pose, *in_blocks(solved, pose, BLOCK), shear)
+    return PlatformStiffness(design, pose, *in_blocks(solved, pose, BLOCK), shear=shear)
 
 
 def _stiffness(design: Design, frame: LegFrame, shear: bool) -> Array:
