@@ -95,18 +95,22 @@ def pareto_front(
         extra = [] if held is None else [(held, below)]
         return optimize(design, changes, goal, limits=[*limits, *extra])
 
-    def point(optimum: Optimum) -> ParetoPoint:
-        after = {value.label: value.after for value in optimum.values}
-        return ParetoPoint(after[first.label], after[second.label], optimum)
+    def end(one: Term, other: Term) -> Optimum:
+        """Return the distribution with the least of one term, and of such the least of the other.
 
-    ends = []
-    for one, other in ((first, second), (second, first)):
+        The values are those of the other, of the limits, and of the one.
+        """
         alone = best(one)
         least = alone.objective
-        ends.append(best(other, one, least + SLACK * max(abs(least), abs(alone.values[0].before))))
-    left, right = (point(end) for end in ends)
-    start = {value.label: value.before for value in ends[0].values}
-    before = (start[first.label], start[second.label])
+        return best(other, one, least + SLACK * max(abs(least), abs(alone.values[0].before)))
+
+    def point(optimum: Optimum) -> ParetoPoint:
+        # by their places: two terms may have one label, as of the same torque on two motions
+        return ParetoPoint(optimum.values[0].after, optimum.values[-1].after, optimum)
+
+    least, most = end(first, second), end(second, first)
+    left, right = ParetoPoint(least.values[-1].after, least.values[0].after, least), point(most)
+    before = (most.values[0].before, most.values[-1].before)
     found = [left]
     small = 1e-6 * max(abs(before[1]), abs(left.second))
     if left.second - right.second > small:

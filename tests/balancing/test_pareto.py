@@ -15,7 +15,8 @@ from paminsa_viz.balancing import (
     TrajectoryRms,
     pareto_front,
 )
-from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput
+from paminsa_viz.trajectory import PRESET, solve_trajectory
 from tests.balancing.robots import changes, field, measured, random_measures, solved
 
 TERMS = (TrajectoryPeak(solved()), StaticPeak(field()))
@@ -62,6 +63,29 @@ def test_terms_that_agree_but_for_the_solvers_tolerance_give_one_point() -> None
     (point,) = front.points
     assert front.before[1] == 0.0
     assert point.second == pytest.approx(-3 * (0.159 + APPENDIX_4.links.b4 - 0.1), rel=1e-6)
+
+
+def test_terms_of_one_label_keep_their_own_values() -> None:
+    """The same torque on two motions: of a front's two terms, and of one and a limit."""
+    motions = [solved()] + [
+        solve_trajectory(APPENDIX_4.geometry, PRESET[key].build(APPENDIX_4.geometry).sample(20))
+        for key in ("circle", "arch")
+    ]
+    terms = [TrajectoryPeak(motion) for motion in motions]
+    assert len({term.label for term in terms}) == 1
+
+    def peaks(design: Design) -> list[float]:
+        return [float(np.abs(motion.torques(design)[:, :3]).max()) for motion in motions]
+
+    now = peaks(APPENDIX_4)
+    what = Changes(tuple(MassRange(f"joints.j{i}", 0.1, 2.0) for i in (4, 7, 9)))
+    front = pareto_front(APPENDIX_4, what, *terms[:2], points=3, limits=[(terms[2], 1.1 * now[2])])
+    assert front.before == pytest.approx(tuple(now[:2]))
+    assert len(front.points) == 3
+    for point in front.points:
+        first, second, other = peaks(point.design)
+        assert (point.first, point.second) == pytest.approx((first, second), rel=1e-7)
+        assert other <= 1.1 * now[2] * (1 + 1e-7)
 
 
 @pytest.mark.slow
