@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.clearance.distance import solid_distance
+from paminsa_viz.clearance.distance import TOUCH, solid_distance
 from paminsa_viz.clearance.nearest import (
     CAPSULE,
     convex_solid,
@@ -20,8 +20,11 @@ from paminsa_viz.clearance.nearest import (
 )
 
 
-def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
-    """Return the distance of two capsules, rows of (..., 7): two ends and the radius [m]."""
+def rod_way(a: Any, i: int, b: Any, j: int) -> tuple[Any, Any, Any]:
+    """Return the shortest way from the core of a capsule to that of another one [m].
+
+    Capsules are rows of (..., 7): the two ends of the core and the radius [m].
+    """
     ux, uy, uz = a[i, 3] - a[i, 0], a[i, 4] - a[i, 1], a[i, 5] - a[i, 2]
     vx, vy, vz = b[j, 3] - b[j, 0], b[j, 4] - b[j, 1], b[j, 5] - b[j, 2]
     wx, wy, wz = a[i, 0] - b[j, 0], a[i, 1] - b[j, 1], a[i, 2] - b[j, 2]
@@ -35,12 +38,32 @@ def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
     t = min(max((uv * s + vw) / vv, 0.0), 1.0) if vv > 0.0 else 0.0
     if uu > 0.0:
         s = min(max((uv * t - uw) / uu, 0.0), 1.0)
-    dx, dy, dz = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
+    return t * vx - s * ux - wx, t * vy - s * uy - wy, t * vz - s * uz - wz
+
+
+def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
+    """Return the distance of two capsules, rows of (..., 7) as in `rod_way` [m]."""
+    dx, dy, dz = rod_way(a, i, b, j)
     return np.sqrt(dx * dx + dy * dy + dz * dz) - a[i, 6] - b[j, 6]
 
 
-def rod_distance(rods: Any, i: int, solid: Any, frame: Any) -> Any:
-    """Return the distance of a capsule to a solid, minus infinity where its core is inside.
+def rods_normal(a: Any, i: int, b: Any, j: int) -> tuple[Any, Any, Any]:
+    """Return a direction across the cores of two capsules, as in `rod_way`, of any length."""
+    ux, uy, uz = a[i, 3] - a[i, 0], a[i, 4] - a[i, 1], a[i, 5] - a[i, 2]
+    vx, vy, vz = b[j, 3] - b[j, 0], b[j, 4] - b[j, 1], b[j, 5] - b[j, 2]
+    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    if nx * nx + ny * ny + nz * nz > 1e-12 * uu * vv:
+        return nx, ny, nz
+    if vv > uu:
+        ux, uy, uz = vx, vy, vz
+    if ux * ux + uy * uy > uz * uz:
+        return -uy, ux, 0.0
+    return uz if uz != 0.0 else 1.0, 0.0, -ux
+
+
+def solid_way(rods: Any, i: int, solid: Any, frame: Any) -> tuple[Any, Any, Any]:
+    """Return the shortest way from the core of a capsule to a solid, in the solid's frame [m].
 
     ``rods`` (..., 7) holds the ends of the core, and the radius, in the world [m].
     """
@@ -55,8 +78,50 @@ def rod_distance(rods: Any, i: int, solid: Any, frame: Any) -> Any:
     t = nearest_on_segment(solid, px, py, pz, ex, ey, ez)
     px, py, pz = px + t * ex, py + t * ey, pz + t * ez
     qx, qy, qz = nearest_point(solid, px, py, pz)
-    gap = np.sqrt((px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2)
+    return qx - px, qy - py, qz - pz
+
+
+def rod_distance(rods: Any, i: int, solid: Any, frame: Any) -> Any:
+    """Return the distance of a capsule to a solid, minus infinity where its core is inside.
+
+    Arguments as of `solid_way`.
+    """
+    dx, dy, dz = solid_way(rods, i, solid, frame)
+    gap = np.sqrt(dx * dx + dy * dy + dz * dz)
     return gap - solid.radius - rods[i, 6] if gap > 0.0 else -np.inf
+
+
+def part_capsules(s: Any, a: int, b: int, world: Any, rods: Any, bound: Any, best: Any) -> None:
+    """Write the ends of the shift that parts two overlapping solids with capsules about them.
+
+    Where cores meet it is across both of them.
+
+    Args:
+        s: `ShapeArrays`.
+        a, b: The solids.
+        world, rods: Frames of all solids, and capsules about them, in the world.
+        bound: The largest of the distances of the two capsules, and of each to the other solid,
+            negative [m].
+        best: (7,) holds two points from index 1 and 4 on, whose middle is kept.
+    """
+    x, y, z = rod_way(rods, a, rods, b)
+    most = rod_gap(rods, a, rods, b)
+    for own, other, sign in ((a, b, 1.0), (b, a, -1.0)):
+        solid, f = convex_solid(s, other), world[other]
+        gap = rod_distance(rods, own, solid, f)
+        if gap > most:
+            most = gap
+            dx, dy, dz = solid_way(rods, own, solid, f)
+            x = sign * (f[0] * dx + f[1] * dy + f[2] * dz)
+            y = sign * (f[3] * dx + f[4] * dy + f[5] * dz)
+            z = sign * (f[6] * dx + f[7] * dy + f[8] * dz)
+    if x * x + y * y + z * z < TOUCH:
+        x, y, z = rods_normal(rods, a, rods, b)
+    half = 0.5 * bound / np.sqrt(x * x + y * y + z * z)
+    for row in range(3):
+        middle = 0.5 * (best[1 + row] + best[4 + row])
+        shift = half * (x if row == 0 else y if row == 1 else z)
+        best[1 + row], best[4 + row] = middle - shift, middle + shift
 
 
 def box_gap(a: Any, i: int, b: Any, j: int) -> Any:
@@ -164,6 +229,8 @@ def body_distance(
                 convex_solid(s, a), world[a], convex_solid(s, b), world[b], work, best
             )
             # What parts the capsules parts the solids: a shift that is found there may be less.
+            if distance < bound < 0.0:
+                part_capsules(s, a, b, world, rods, bound, best)
             distance = max(distance, bound)
             if distance < least:
                 least = distance

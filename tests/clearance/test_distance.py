@@ -20,7 +20,7 @@ from paminsa_viz.clearance.nearest import (
     ConvexSolid,
     nearest_on_circle,
 )
-from paminsa_viz.clearance.solids import NO_CORNERS, Primitive
+from paminsa_viz.clearance.solids import NO_CORNERS, Primitive, cylinder
 from paminsa_viz.model.arrays import Array
 from tests.clearance.coal_shapes import coal_request, coal_shape
 from tests.clearance.pairs_of_solids import (
@@ -106,9 +106,28 @@ def test_an_overlap_is_one_and_its_depth_parts_the_solids(kinds: tuple[str, str]
     over = found.distance < 0
     assert over.sum() > 20
     assert outside_of_both((one, other), found, 0.5 * place, rotation)[over].max() < 1e-9
+    depths = np.linalg.norm(found.points[:, 0] - found.points[:, 1], axis=1)
+    assert depths[over] == pytest.approx(-found.distance[over], abs=1e-12)
     shifted = 0.5 * place
     shifted[:, 0] -= found.points[:, 0] - found.points[:, 1]
     assert distances(one, other, shifted, wxyz).distance[over].min() > -1e-9
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.1, np.pi / 2])
+def test_long_cylinders_whose_axes_meet_are_parted_across_them(turn: float) -> None:
+    """As joint 3 in joint 1: along the axis, or across one of two, the way would be longer."""
+    one, other = cylinder(0.03, -0.3, 0.3), cylinder(0.02, -0.4, 0.4)
+    place, wxyz = np.zeros((3, 2, 3)), np.empty((3, 2, 4))
+    for row, axis in enumerate(np.eye(3)):  # axes along z, and horizontal
+        first = Rotation.from_rotvec(0.5 * np.pi * axis)
+        second = first * Rotation.from_rotvec([turn, 0.0, 0.0])
+        wxyz[row] = [turned.as_quat(scalar_first=True) for turned in (first, second)]
+    found = distances(one, other, place, wxyz)
+    assert found.distance == pytest.approx(-0.05, abs=1e-12)
+    shift = found.points[:, 0] - found.points[:, 1]
+    assert np.linalg.norm(shift, axis=1) == pytest.approx(0.05, abs=1e-12)
+    place[:, 0] -= shift
+    assert np.abs(distances(one, other, place, wxyz).distance).max() < 1e-9
 
 
 @pytest.mark.parametrize("kinds", PAIRS)
