@@ -142,6 +142,11 @@ def test_number_of_frames_is_bounded(duration: float, frames: int) -> None:
     assert frame_times(0.0, duration).size == frames
 
 
+NOTICES_END = """document.querySelector(".mantine-Notifications-root[data-position=top-left]")
+  .getBoundingClientRect().bottom"""
+CONTROLS_BEGIN = "document.getElementById('motion').getBoundingClientRect().top"
+
+
 @pytest.mark.browser
 def test_browser_plays_it_from_a_file_offline(browser: Any, tmp_path: Path) -> None:
     trajectory = planned("circle", 500)
@@ -182,6 +187,7 @@ def test_browser_plays_it_from_a_file_offline(browser: Any, tmp_path: Path) -> N
         page.set_viewport_size({"width": width, "height": height})
         until(lambda low=least: low < page.evaluate(ANGLE) < low + 60.0, "the angle of view")
         until(lambda: 0.2 < page.evaluate(FARTHEST) < 0.97, "whole legs")
+    assert page.evaluate(NOTICES_END) < page.evaluate(CONTROLS_BEGIN)
     planned_angle = pytest.approx(math.degrees(FIELD_OF_VIEW))
     until(lambda: page.evaluate(ANGLE) == planned_angle, "the planned angle of view")
     context.close()
