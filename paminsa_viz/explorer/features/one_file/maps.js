@@ -15,7 +15,6 @@ const MAP_COLORS = ["m1", "m2", "m3"];
  */
 const createMaps = ({ current, move, begin }) => {
   const canvas = find("map");
-  const hint = find("hover").textContent;
   let solved = null; // the maps' pictures and cells, and the torque that ends their colors
   let key = "";
   let perCell = 0; // time of three maps for one of their cells [ms]
@@ -93,7 +92,7 @@ const createMaps = ({ current, move, begin }) => {
   const writeRead = () => {
     find("hover").className = pointed ? "read" : "";
     if (!pointed) {
-      find("hover").textContent = hint;
+      find("read").textContent = "";
       return;
     }
     const { robot, doc } = current();
@@ -103,12 +102,12 @@ const createMaps = ({ current, move, begin }) => {
     const values = [0, 1, 2].map((index) =>
       `${symbol(index)} = ${number(found.torques[index] - other.torques[index], 3 + robot.spare.torque)}`);
     const why = found.ok ? "out of the pinned design's reach" : `out of reach: leg ${found.leg}, ${PAGE.limits[found.limit]}`;
-    find("hover").textContent = `x = ${millimeters(robot, pointed[0])} mm, y = ${millimeters(robot, pointed[1])} mm: `
+    find("read").textContent = `x = ${millimeters(robot, pointed[0])} mm, y = ${millimeters(robot, pointed[1])} mm: `
       + (found.ok && other.ok ? `${values.join(", ")} N·m` : why);
   };
   const read = (place, byKeys = false) => {
     pointed = place;
-    find("hover").setAttribute("aria-live", byKeys ? "polite" : "off");
+    find("read").setAttribute("aria-live", byKeys ? "polite" : "off");
     draw();
   };
   const go = ([x, y]) => {
@@ -125,12 +124,16 @@ const createMaps = ({ current, move, begin }) => {
     go(place);
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (held && !held.isDrag && Math.hypot(event.clientX - held.x, event.clientY - held.y) > DRAGGED) {
-      held.isDrag = true;
-      begin();
+    const [dx, dy] = held ? [event.clientX - held.x, event.clientY - held.y] : [0, 0];
+    if (held && !held.isDrag && Math.hypot(dx, dy) > DRAGGED) {
+      // Up and down a finger scrolls a page that is higher than the screen.
+      if (Math.abs(dx) > Math.abs(dy) || getComputedStyle(canvas).touchAction === "none") {
+        held.isDrag = true;
+        begin();
+      } else held = null;
     }
     if (held?.isDrag) go(placeIn(event, true));
-    else if (!held) read(placeIn(event));
+    else if (!held && event.pointerType !== "touch") read(placeIn(event));
   });
   canvas.addEventListener("pointerup", (event) => {
     if (held && !held.isDrag) {

@@ -181,8 +181,17 @@ def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
     box = canvas.bounding_box()
     x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"]
     before = opened.document()
-    for kind in ("pointerdown", "pointercancel"):  # the browser scrolls the page
-        canvas.evaluate(touch, [kind, x, y])
+    window = page.viewport_size
+    page.set_viewport_size({"width": 390, "height": 844})
+    canvas.focus()
+    tops = []
+    for key in ("Escape", "ArrowUp"):
+        page.keyboard.press(key)
+        tops.append(page.locator("#controls").bounding_box()["y"])
+    assert tops[0] == tops[1], "what is below a map stays where it is, whatever is said of the map"
+    for kind, down in (("pointerdown", 0), ("pointermove", 20), ("pointercancel", 20)):
+        canvas.evaluate(touch, [kind, x, y + down])  # the browser scrolls the page
+    page.set_viewport_size(window)
     page.evaluate("() => new Promise(requestAnimationFrame)")
     assert "x 100.0 mm, y 40.0 mm" in (page.locator("#robot").get_attribute("aria-label") or "")
     for kind in ("pointerdown", "pointerup"):
