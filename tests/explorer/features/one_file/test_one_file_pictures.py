@@ -178,8 +178,6 @@ def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
 
     touch = """(canvas, [kind, x, y]) => canvas.dispatchEvent(new PointerEvent(kind, {
       pointerType: "touch", pointerId: 9, clientX: x, clientY: y, bubbles: true}))"""
-    box = canvas.bounding_box()
-    x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"]
     before = opened.document()
     window = page.viewport_size
     page.set_viewport_size({"width": 390, "height": 844})
@@ -189,15 +187,17 @@ def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
         page.keyboard.press(key)
         tops.append(page.locator("#controls").bounding_box()["y"])
     assert tops[0] == tops[1], "what is below a map stays where it is, whatever is said of the map"
+    box = canvas.bounding_box()
+    x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"]
     for kind, down in (("pointerdown", 0), ("pointermove", 20), ("pointercancel", 20)):
         canvas.evaluate(touch, [kind, x, y + down])  # the browser scrolls the page
-    page.set_viewport_size(window)
     page.evaluate("() => new Promise(requestAnimationFrame)")
     assert "x 100.0 mm, y 40.0 mm" in (page.locator("#robot").get_attribute("aria-label") or "")
     for kind in ("pointerdown", "pointerup"):
         canvas.evaluate(touch, [kind, x, y])
     moved = opened.wait(lambda found: found != before)
     assert f"x = {1e3 * moved.pose[0]:.1f} mm".replace("-", "−") in says.inner_text()
+    page.set_viewport_size(window)
 
 
 def test_paper_is_light_and_its_maps_sharp(opened: Opened) -> None:
