@@ -180,7 +180,8 @@ const createMaps = ({ current, move, begin }) => {
   };
   const place = () => {
     const { robot, doc } = current();
-    return `at θ = ${number(DEGREES * doc.pose[2], 2)}°, z = ${millimeters(robot, doc.pose[3])} mm`;
+    const told = `at θ_=_${number(DEGREES * doc.pose[2], 2)}°, z_=_${millimeters(robot, doc.pose[3])}_mm`;
+    return told.replaceAll("_", "\u00a0"); // no line ends before a number or its unit
   };
   const less = () => (differs() ? `, difference from “${current().doc.reference.name}”,` : "");
 

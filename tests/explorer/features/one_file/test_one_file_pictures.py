@@ -16,6 +16,7 @@ from paminsa_viz.explorer.state.document import Document
 from paminsa_viz.model import APPENDIX_4, static_torques
 from paminsa_viz.palette import LIGHT, rgb
 from paminsa_viz.plots import colors
+from paminsa_viz.units import TIE
 from paminsa_viz.webpage import code_page
 from tests.explorer.features.one_file.opened import OTHER, START, Opened
 from tests.explorer.test_page_sections import CHECK, RULES
@@ -136,7 +137,7 @@ def test_a_robot_of_millimeters_is_stepped_and_seen_as_closely_as_a_large_one(
         assert "at x 0.800 mm, y 0.500 mm" in (canvas.get_attribute("aria-label") or "")
         page.get_by_role("button", name="Balance by m₇").click()  # but for rounding
         caption = page.locator("#caption")
-        until(lambda: "z = −5.500 mm: 0 everywhere" in caption.inner_text(), "nothing is drawn")
+        until(lambda: f"−5.500{TIE}mm: 0 everywhere" in caption.inner_text(), "nothing is drawn")
         label = page.locator("#map").get_attribute("aria-label") or ""
         assert "colors from −1·10⁻⁸ to 1·10⁻⁸ N·m" in label, "it is one of the last digit"
         assert opened.errors == []
@@ -156,7 +157,8 @@ def test_maps_show_the_difference_from_the_pinned_design(opened: Opened) -> None
     wanted = static_torques(OTHER.design, pose) - static_torques(APPENDIX_4, pose)
     shown = [float(n.replace("−", "-")) for n in re.findall(r"Δτ. = ([−\d.]+)", text)]
     assert shown == pytest.approx(wanted[:3], abs=2e-3)
-    assert "difference from “Appendix 4”, at θ = 22.92°" in page.locator("#caption").inner_text()
+    title = f"Static torques, difference from “Appendix 4”, at θ{TIE}={TIE}22.92°"
+    assert title in page.locator("#caption").inner_text()
 
 
 def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
@@ -250,7 +252,7 @@ def test_saved_maps_are_light_and_say_what_they_are_of(opened: Opened) -> None:
     colored = np.asarray(Image.open(io.BytesIO(saved[0])).convert("RGB"))
     assert tuple(colored[1, 1]) == rgb(LIGHT.paper)
     assert (colored == rgb(LIGHT.reachless)).all(axis=2).mean() > 0.1
-    text = "\n".join(page.evaluate("window.written"))
+    text = "\n".join(page.evaluate("window.written")).replace(TIE, " ")
     for part in (
         "“Light, 3 kg”",
         "lower knee",
