@@ -183,6 +183,7 @@ def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
     before = opened.document()
     window = page.viewport_size
     page.set_viewport_size({"width": 390, "height": 844})
+    until(lambda: " 374px" in (canvas.get_attribute("style") or ""), "it is drawn as narrow")
     canvas.focus()
     tops = []
     for key in ("Escape", "ArrowUp"):
