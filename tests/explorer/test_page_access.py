@@ -310,6 +310,37 @@ def test_button_that_comes_where_one_was_pressed_has_its_focus(tab: Tab) -> None
     assert seen == ["BODY", "stop", "start", "BODY", "start", "after"]
 
 
+LEFT = """async () => {
+  const place = document.createElement("div");
+  place.innerHTML = `<div><button id="above">above</button></div>
+    <div><div data-paminsa-mark="row"><div><div>
+      <button>one</button><button>two</button><button>three</button>
+    </div></div></div></div>
+    <div><button id="below" disabled>below</button></div>`;
+  document.body.append(place);
+  const row = place.children[1];
+  const [, two] = row.querySelectorAll("button");
+  const seen = [];
+  const look = async () => {
+    for (let i = 0; i < 2; i++) await new Promise((done) => requestAnimationFrame(done));
+    seen.push(document.activeElement.textContent);
+  };
+  two.focus();
+  two.remove();
+  await look();
+  row.remove();
+  await look();
+  place.remove();
+  return seen;
+}"""
+"""What has the focus as a button of a row goes, and then the row."""
+
+
+def test_focus_of_a_button_of_a_row_goes_to_its_neighbor(tab: Tab) -> None:
+    """As of *Lost by reload*, which has a button for each task, and goes with the last one."""
+    assert tab.page.evaluate(LEFT) == ["three", "above"]
+
+
 def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
     tab = open_tab(1400, 900)
     left, right = view_edges(tab)

@@ -494,6 +494,26 @@ def test_keys_typed_before_the_palette_has_its_box_go_into_it(tab: Tab) -> None:
     until(lambda: tab.state.document.design.joints.j7 == 3.063, "m7 is set")
 
 
+REOPENED = """() => {
+  const press = (key, more) => document.activeElement.dispatchEvent(
+    new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more }));
+  press("Escape", { code: "Escape" });
+  press("k", { code: "KeyK", ctrlKey: true });
+  for (const key of "st") press(key, { code: `Key${key.toUpperCase()}` });
+}"""
+"""Closes the palette and opens it again before the browser has closed it, and types on."""
+
+
+def test_palette_opens_again_while_it_closes(tab: Tab) -> None:
+    tab.page.keyboard.press("Control+k")
+    box = tab.page.get_by_placeholder("Search commands", exact=False)
+    focused = "box => box === document.activeElement"
+    until(lambda: box.count() and box.evaluate(focused), "the palette is open")
+    tab.page.evaluate(REOPENED)
+    until(lambda: box.count() and box.input_value() == "st", "it is open again, with what is typed")
+    assert box.evaluate(focused)
+
+
 def test_number_that_is_clicked_is_pinned_and_the_cross_takes_it_off(tab: Tab) -> None:
     tab.open_tab("Pose")
     tab.page.get_by_test_id("quality").locator("[data-paminsa-value='condition']").click()

@@ -5,7 +5,8 @@
  * selected as the first one then; an Enter before that waits for it.
  *
  * The box comes a moment after the key that opens the palette, later on a busy machine. What is
- * typed till then goes into it: elsewhere letters are keys of commands.
+ * typed till then goes into it: elsewhere letters are keys of commands. As it closes it has the focus
+ * still, and Mantine takes no keys of a box: the one that opens it again waits until it has left.
  */
 window.paminsaPalette = (config) => {
   "use strict";
@@ -13,7 +14,12 @@ window.paminsaPalette = (config) => {
   const commandLines = () => [...document.querySelectorAll(".mantine-Spotlight-action")];
   const typed = { asked: "", answered: "", enter: false };
   const OPENING_TIME = 10000; // how long keys wait for the box [ms]
+  const CLOSING_TIME = 1000; // how long a box may have the focus that closes [ms]
   let early = null; // what was typed before there is a box: {text, enter}
+  let leftAt = -Infinity; // when Esc was pressed or a line chosen, which close it [ms]
+  const opens = ({ key, ctrlKey, metaKey, shiftKey }) =>
+    (ctrlKey || metaKey) && (shiftKey ? /^p$/i : /^k$/i).test(key);
+  const closes = (box) => box.closest(".mantine-Spotlight-content")?.style.opacity === "0";
   /** Take what the server says of a text: the label of its line, if it has one. */
   const answer = (text, label) => {
     let left = 50;
@@ -33,6 +39,8 @@ window.paminsaPalette = (config) => {
   };
   const onSearch = (event) => {
     if (!event.target.matches?.(search)) return;
+    if (event.type === "keydown" && opens(event)) reopen(event);
+    else if (event.key === "Escape") leftAt = performance.now();
     if (event.type === "input") {
       typed.asked = event.target.value.slice(0, 200);
       typed.enter = false;
@@ -45,11 +53,32 @@ window.paminsaPalette = (config) => {
   };
   for (const kind of ["input", "keydown"])
     document.addEventListener(kind, onSearch, { capture: true, signal });
+  document.addEventListener("click", ({ target }) => {
+    if (target.closest?.(".mantine-Spotlight-action")) leftAt = performance.now();
+  }, { capture: true, signal });
+
+  /** Open the palette again that closes, with what is typed till then. */
+  const reopen = (event) => {
+    const until = leftAt + CLOSING_TIME;
+    if (performance.now() > until) return; // it is open, and stays so
+    event.preventDefault();
+    const { key, code, ctrlKey, metaKey, shiftKey, target } = event;
+    const mine = early = { text: "", enter: false };
+    retry(() => {
+      if (early !== mine) return true;
+      if (document.activeElement === target && performance.now() < until) return false;
+      early = null;
+      const again = { key, code, ctrlKey, metaKey, shiftKey, bubbles: true, cancelable: true };
+      document.documentElement.dispatchEvent(new KeyboardEvent("keydown", again));
+      if (early) Object.assign(early, mine);
+      return true;
+    }, 10);
+  };
 
   /** Put what was typed early into the box, once it is there. */
   const fill = ({ text, enter }) => {
     const box = document.querySelector(`input${search}`);
-    if (!box) return false;
+    if (!box || closes(box)) return false;
     early = null;
     box.focus();
     if (!text) return true;
@@ -60,9 +89,7 @@ window.paminsaPalette = (config) => {
   };
   // Mantine has taken the key at the root: the palette opens, or closes again before it is there.
   document.addEventListener("keydown", (event) => {
-    const { key, ctrlKey, metaKey, shiftKey, defaultPrevented } = event;
-    const opens = (ctrlKey || metaKey) && (shiftKey ? /^p$/i : /^k$/i).test(key);
-    if (!opens || !defaultPrevented) return;
+    if (!opens(event) || !event.defaultPrevented || event.target.matches?.(search)) return;
     const until = performance.now() + OPENING_TIME;
     const mine = early ? null : { text: "", enter: false };
     early = mine;
