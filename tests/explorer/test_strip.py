@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 from paminsa_viz.explorer.core import tab_store
 from paminsa_viz.explorer.features.balance import actions as balancing
+from paminsa_viz.explorer.features.clearance.tab import CLEARANCE
+from paminsa_viz.explorer.features.compare.tab import COMPARISON
 from paminsa_viz.explorer.features.drives import tab as drives
+from paminsa_viz.explorer.features.files.tab import FILE
 from paminsa_viz.explorer.features.identification import actions as identification
-from paminsa_viz.explorer.kit.entries import Button, given
+from paminsa_viz.explorer.features.view.tab import view_entries
+from paminsa_viz.explorer.kit.entries import Button, ButtonGroup, Upload, given
+from paminsa_viz.explorer.kit.inputs import Input
 from paminsa_viz.explorer.state.balance import BalanceKind
 from paminsa_viz.explorer.state.outcome import Outcome
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.strip import restartable
+from paminsa_viz.explorer.strip import STRIP, restartable
 from paminsa_viz.explorer.tabs import sections
 from paminsa_viz.model import InvalidInput
 from tests.support.entries import flat
@@ -117,8 +123,11 @@ def test_what_can_be_started_again_can_be_stopped_in_its_place() -> None:
         assert not list(tab_store.unkept_tasks(stop.effect(running))), label
 
 
-def test_every_button_says_under_the_pointer_what_it_does() -> None:
-    for section in sections().values():
-        for entry in flat(section.entries()):
-            if isinstance(entry, Button):
-                assert given(entry.tooltip, initial_state()), entry.key
+def test_every_button_and_input_says_under_the_pointer_what_it_does() -> None:
+    state = initial_state()
+    own = (*FILE, *view_entries(), *CLEARANCE, *STRIP, COMPARISON)
+    tables = [own, *(section.entries() for section in sections().values())]
+    for entry in flat(tuple(chain(*tables))):
+        if isinstance(entry, Button | ButtonGroup | Upload | Input):
+            hint = entry.tooltip if isinstance(entry, Button) else entry.hint
+            assert given(hint, state), entry.key

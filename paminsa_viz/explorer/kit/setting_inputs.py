@@ -28,7 +28,7 @@ def quantity_inputs(
     labels: tuple[str, str],
     read: Callable[[State], str],
     choose: Callable[[State, str], State],
-    hints: tuple[str, str] = ("", ""),
+    hint: str,
 ) -> tuple[Dropdown, Dropdown]:
     """Return the choice of a quantity: its family, then itself; `choose` takes its key."""
 
@@ -42,10 +42,10 @@ def quantity_inputs(
     return (
         Dropdown(
             f"{key}.family", labels[0], options={name: name for name in families()},
-            hint=hints[0], read=family, apply=choose_family,
+            hint="Which quantities are offered below", read=family, apply=choose_family,
         ),
         Dropdown(
-            f"{key}.quantity", labels[1], hint=hints[1], read=read, apply=choose,
+            f"{key}.quantity", labels[1], hint=hint, read=read, apply=choose,
             options=lambda state: {q.label: q.key for q in families()[family(state)]},
         ),
     )  # fmt: skip

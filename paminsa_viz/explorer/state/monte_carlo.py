@@ -56,9 +56,11 @@ class MonteCarloSettings(Settings):
         0, "Shares in", "Which lengths the error of a coordinate comes from",
         options={NAMES[i]: i for i in ORDER},
     )  # fmt: skip
-    leg: int = setting(0, "Leg", options={f"leg {i + 1}": i for i in range(3)})
+    leg: int = setting(
+        0, "Leg", "Whose deviation is set below", options={f"leg {i + 1}": i for i in range(3)}
+    )
     length: int = setting(
-        0, "Length",
+        0, "Length", "Whose deviation is set below, of the chosen leg alone",
         options={f"{symbol_text(one.symbol)} {one.label}": i for i, one in enumerate(LENGTHS)},
     )  # fmt: skip
 

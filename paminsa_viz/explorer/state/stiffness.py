@@ -106,7 +106,10 @@ class StiffnessSettings(Settings):
         "load", "Load case", "Deflection and strain energy are under this load",
         options={name: key for key, (name, _) in CASES.items()},
     )  # fmt: skip
-    bar: str = setting("b4", "Bar", options={bar.upper(): bar for bar in BARS})
+    bar: str = setting(
+        "b4", "Bar", "Whose section is given below, of all legs",
+        options={bar.upper(): bar for bar in BARS},
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -132,7 +132,10 @@ MANUFACTURE = (
         "manufacture.tolerances", "Tolerances, ±", open=False,
         entries=(
             *(_slider(name) for name in _LABELS),
-            ButtonGroup("manufacture.reset", "Set to", choices=_tolerance_choices),
+            ButtonGroup(
+                "manufacture.reset", "Set to", choices=_tolerance_choices,
+                hint="All tolerances and clearances as for a new design, or zero",
+            ),
         ),
     ),
     Folder(
@@ -148,7 +151,10 @@ MANUFACTURE = (
                 hint="Actual minus nominal",
                 read=_read_deviation, apply=_set_deviation,
             ),
-            ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
+            ButtonGroup(
+                "manufacture.alike", "Set to", choices=_leg_choices,
+                hint="Takes all deviations away, such as a calibration has found",
+            ),
         ),
     ),
 )  # fmt: skip

@@ -112,7 +112,11 @@ DRIVES_ACCURACY = (
             _slider("backlash_linear", "Backlash M4", 100.0, 0.5),
             _slider("control_rotary", "Control M1–M3", 0.1, 0.001),
             _slider("control_linear", "Control M4", 100.0, 0.5),
-            ButtonGroup("accuracy.reset", "Set to", choices=_choices),
+            ButtonGroup(
+                "accuracy.reset", "Set to", choices=_choices,
+                hint="All errors of this folder as for a new design, or the counts of the encoders "
+                "of the design’s drives",
+            ),
         ),
     ),
 )  # fmt: skip

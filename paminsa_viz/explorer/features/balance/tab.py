@@ -185,6 +185,7 @@ SENSITIVITY = (
             Dropdown(
                 "balance.output", "Output",
                 options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
+                hint="What the bars are the change of",
                 **attribute("balance.output"),
             ),
             chart("tornado.chart", charts.shown_tornado, charts.tornado_figure, 1.15),

@@ -58,7 +58,7 @@ def _found(state: State) -> bool:
 def _measured_choices(state: State) -> dict[str, Effect]:
     found: dict[str, Effect] = {"Example": actions.use_example}
     if state.calibration.measured is not None:
-        found["Save CSV"] = export("the measured poses", files.measured_csv)
+        found["Export CSV"] = export("the measured poses", files.measured_csv)
         found["Close"] = actions.close_measured
     return found
 
@@ -86,7 +86,7 @@ PROPOSED: tuple[Entry, ...] = (
         entries=(
             ButtonGroup(
                 "calibrate.poses_file", "Poses",
-                choices={"Download CSV": export("the poses to measure", files.poses_csv)},
+                choices={"Export CSV": export("the poses to measure", files.poses_csv)},
                 hint="Fill in what is measured, and open the table again",
             ),
             Html("calibrate.plan_lengths", content=text.plan_html, idle=True),
@@ -135,7 +135,11 @@ CALIBRATION: tuple[Entry, ...] = (
         mime_type=".csv,.txt", color="gray",
         hint="Poses of the built robot with the actuators’ readings",
     ),
-    ButtonGroup("calibrate.source", "Measured poses", choices=_measured_choices),
+    ButtonGroup(
+        "calibrate.source", "Measured poses", choices=_measured_choices,
+        hint="Example: simulated measurements of a robot whose legs are off at random, to try "
+        "it with",
+    ),
     _setting("held"),
     *actions.CALIBRATE.buttons(
         Button(

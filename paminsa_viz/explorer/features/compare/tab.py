@@ -133,6 +133,8 @@ COMPARE: tuple[Entry, ...] = (
     ButtonGroup(
         "reference", "Reference",
         choices=lambda state: PIN if state.document.reference is None else PINNED,
+        hint="What the current design is compared with: pin it as it is now, exchange the two, or "
+        "compare with Appendix 4 again",
     ),
     Html("compare.names", content=_names),
     Html("compare.torques", content=_torques),

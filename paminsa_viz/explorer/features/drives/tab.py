@@ -229,7 +229,11 @@ DRIVES = (
     ),
     _setting("inertia_ratio", visible=_limits_ratio),
     *map(_setting, ("dwell", "count")),
-    ButtonGroup("drives.cycle", "Cycle", choices=_cycle_choices),
+    ButtonGroup(
+        "drives.cycle", "Cycle", choices=_cycle_choices,
+        hint="Motions that drives are sized for together, each with its dwell and times; without "
+        "any, the current motion alone",
+    ),
     Upload(
         "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",
         color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",
@@ -250,6 +254,7 @@ DRIVES = (
                     Dropdown(
                         "drives.actuator", "Actuator",
                         options={name: j for j, name in enumerate(ACTUATORS)},
+                        hint="Whose drives are listed, and whose curve is drawn",
                         read=lambda state: state.drives.actuator,
                         apply=lambda state, j: state.updated("drives", actuator=j, row=0),
                     ),
@@ -261,7 +266,10 @@ DRIVES = (
                 ),
             ),
             Html("drives.problem", content=problem_html),
-            ButtonGroup("drives.choice", "Design", choices=_choices),
+            ButtonGroup(
+                "drives.choice", "Design", choices=_choices,
+                hint="Puts the drive shown, or the first one of each actuator, into the design",
+            ),
             chart("drives.chart", shown_drive, chart_figure, 0.8),
             Html("drives.facts", content=facts_html, idle=True),
             Html("drives.own", content=own_html, idle=True),

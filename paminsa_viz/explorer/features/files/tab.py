@@ -172,6 +172,7 @@ FILE: tuple[Entry, ...] = (
             ),
             TextBox(
                 "file.code", "Code", idle=True,
+                hint="Copy it to share what is set; one that is put in here opens what it holds",
                 read=lambda state: persistence.share_code(state.document),
                 apply=lambda state, code: actions.restore(state, persistence.open_share_code(code)),
             ),

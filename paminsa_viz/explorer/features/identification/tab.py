@@ -103,7 +103,7 @@ FOUND: tuple[Entry, ...] = (
         hint="The nearest masses and the friction; or the log’s motion in the scene",
     ),
     Dropdown(
-        "identify.actuator", "Actuator",
+        "identify.actuator", "Actuator", hint="Whose torque is drawn, and what is left of it",
         options={name: j for j, name in enumerate(ACTUATORS)},
         **attribute("identification.actuator"),
     ),
@@ -124,7 +124,10 @@ FOUND: tuple[Entry, ...] = (
 LOGS: tuple[Entry, ...] = (
     Html("identify.logs", content=text.logs_html, idle=True),
     _upload("log", "Open a log…", "Positions and torques of the built robot over time"),
-    ButtonGroup("identify.examples", "Logs", choices=_log_choices),
+    ButtonGroup(
+        "identify.examples", "Logs", choices=_log_choices,
+        hint="Example: a log of a robot simulated in MuJoCo, to try it with",
+    ),
     Folder(
         "identify.more", "More logs and settings", open=False,
         entries=(
@@ -176,6 +179,7 @@ EXCITE: tuple[Entry, ...] = (
             Html("identify.excited", content=text.excitation_html, idle=True),
             ButtonGroup(
                 "identify.motion", "Motion", visible=_has_motion,
+                hint="Makes it the current motion, or writes it for the robot’s controller",
                 choices={
                     "Use as motion": Then(
                         actions.use_excitation,

@@ -166,8 +166,7 @@ def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
     return (
         *quantity_inputs(
             name, ("Family", "Show"), lambda state: state.map_view.quantity, choose_quantity,
-            ("Which quantities are offered below",
-             "What this map and the floor map below the robot show"),
+            "What this map and the floor map below the robot show",
         ),
         *range_entries(
             name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit

@@ -96,11 +96,13 @@ def _not_crossing(state: State) -> bool:
     return not _crosses(state)
 
 
-def _limit(name: str, unit: str, step: float, visible: Condition | None = None) -> Number:
+def _limit(
+    name: str, unit: str, step: float, hint: str, visible: Condition | None = None
+) -> Number:
     """Return the input of a limit of the shortest duration; 0 is none."""
     return Number(
         f"motion.limits.{name}", LIMIT_LABELS[name], unit=display_unit(unit),
-        step=of_size(step, unit),
+        step=of_size(step, unit), hint=hint,
         range=(0.0, LARGEST_LIMIT), visible=visible,
         read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
         apply=lambda state, value: motions.limit(state, name, value),
@@ -133,6 +135,8 @@ LIMIT_LABELS = {
     "torque": "M1–M3 [N·m]", "force": "F₄ [N]",
 }  # fmt: skip
 """Labels of the inputs of limits, by the field of `MotionLimits`."""
+
+_MOVES, _TURNS = "Of the platform’s center, in any direction", "Of the platform’s heading θ"
 
 _setting = SettingInputs("motion", "document.motion", Motion, motions.change)
 
@@ -184,14 +188,14 @@ DESCRIPTION: tuple[Entry, ...] = (
                 "motion.limits.note",
                 content=lambda frame: render("motion/limits.j2", crosses=_crosses(frame.state)),
             ),
-            _limit("speed", "m/s", 0.1),
-            _limit("turn_speed", "rad/s", 10.0),
-            _limit("acceleration", "m/s^2", 0.5, _not_crossing),
-            _limit("turn_acceleration", "rad/s^2", 100.0, _not_crossing),
-            _limit("jerk", "m/s^3", 10.0, _not_crossing),
-            _limit("turn_jerk", "rad/s^3", 1000.0, _not_crossing),
-            _limit("torque", "N m", 0.5),
-            _limit("force", "N", 10.0),
+            _limit("speed", "m/s", 0.1, _MOVES),
+            _limit("turn_speed", "rad/s", 10.0, _TURNS),
+            _limit("acceleration", "m/s^2", 0.5, _MOVES, _not_crossing),
+            _limit("turn_acceleration", "rad/s^2", 100.0, _TURNS, _not_crossing),
+            _limit("jerk", "m/s^3", 10.0, _MOVES, _not_crossing),
+            _limit("turn_jerk", "rad/s^3", 1000.0, _TURNS, _not_crossing),
+            _limit("torque", "N m", 0.5, "Of each of the three, to both sides"),
+            _limit("force", "N", 10.0, "Of M4, to both sides"),
         ),
     ),
     _setting("rate"),

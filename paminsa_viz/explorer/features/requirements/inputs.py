@@ -60,15 +60,16 @@ EDIT = (
         "requirements.selected", "Requirement",
         options=lambda state: names(state) or {"–": 0},
         read=lambda state: state.requirements.selected if has_selected(state) else 0,
-        apply=actions.select, undo=False,
+        apply=actions.select, undo=False, hint="Which one of the list is edited here",
     ),
     *quantity_inputs(
         "requirements", ("Family", "Quantity"), lambda state: _edited(state).quantity,
-        actions.choose_quantity,
+        actions.choose_quantity, "What is bounded",
     ),
     Dropdown(
         "requirements.side", "Bound", options={side.value: side for side in Side},
         read=_side, apply=actions.choose_side,
+        hint="On which side the quantity is bounded; the number is typed in the list",
     ),
     *_own("theta", "Own θ range", "θ [°]", DEGREES),
     *_own("z", "Own z range", "z [mm]", MILLIMETERS),

@@ -111,14 +111,15 @@ WORKSPACE = (
         apply=lambda state, size: _set_size(state, x=2 * size[0], y=2 * size[0], z=size[1]),
     ),
     Pair(
-        "requirements.box", "x, y size [mm]", visible=BOX, units=(MILLIMETERS, MILLIMETERS),
-        step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
+        "requirements.box", "x, y size [mm]", visible=BOX, hint="Whole extents along x and y",
+        units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
         read=lambda state: workspace(state).size[:2],
         apply=lambda state, size: _set_size(state, x=size[0], y=size[1]),
     ),
     Number(
-        "requirements.height", "Height [mm]", visible=BOX, unit=MILLIMETERS, step=1.0,
-        range=(LEAST, LARGEST), read=lambda state: workspace(state).size[2],
+        "requirements.height", "Height [mm]", visible=BOX, hint="Whole extent along z",
+        unit=MILLIMETERS, step=1.0, range=(LEAST, LARGEST),
+        read=lambda state: workspace(state).size[2],
         apply=lambda state, height: _set_size(state, z=height),
     ),
     Checkbox(
@@ -129,7 +130,8 @@ WORKSPACE = (
         ),
     ),
     Pair(
-        "requirements.center", "Center x, y [mm]", units=(MILLIMETERS, MILLIMETERS), step=1.0,
+        "requirements.center", "Center x, y [mm]", hint="From the robot’s axis",
+        units=(MILLIMETERS, MILLIMETERS), step=1.0,
         visible=lambda state: ANY_SHAPE(state) and not _level_free(state),
         read=lambda state: tuple(place or 0.0 for place in workspace(state).center[:2]),
         apply=lambda state, place: _set_center(state, level=True, place=place),
@@ -144,6 +146,7 @@ WORKSPACE = (
     ),
     Number(
         "requirements.center_z", "Center z [mm]", unit=MILLIMETERS, step=1.0,
+        hint="Half the height of the workspace is above it; 0 is the plane of the guides",
         visible=lambda state: ANY_SHAPE(state) and not _height_free(state),
         read=lambda state: workspace(state).center[2] or 0.0,
         apply=lambda state, place: _set_center(state, level=False, place=(place,)),
@@ -203,7 +206,11 @@ REQUIREMENTS = (
     Message("worst pose", receive=_go),
     Message("largest workspace", receive=_find_largest),
     Html("requirements.list", content=text.list_html),
-    ButtonGroup("requirements.buttons", "", choices=_buttons),
+    ButtonGroup(
+        "requirements.buttons", "", choices=_buttons,
+        hint="Add: a bound of one quantity; the suggested set: what the current design can do "
+        "around home",
+    ),
     Folder("requirements.edit", "Edit", entries=EDIT, visible=has_selected),
     Folder("requirements.workspace", "Headings and workspace", entries=WORKSPACE),
     Checkbox(

@@ -97,7 +97,12 @@ def _resets(names: tuple[str, ...], state: State) -> dict[str, Effect]:
 def _folder(title: str, names: tuple[str, ...], *, opened: bool) -> Folder:
     entries: tuple[Entry, ...] = (
         *map(elastic_slider, names),
-        ButtonGroup(f"stiffness.reset.{names[0]}", "Reset", choices=partial(_resets, names)),
+        ButtonGroup(
+            f"stiffness.reset.{names[0]}",
+            "Reset",
+            choices=partial(_resets, names),
+            hint="Sets all of this group back; the defaults are chosen, not measured",
+        ),
     )
     return Folder(f"stiffness.{names[0]}", title, entries=entries, open=opened)
 

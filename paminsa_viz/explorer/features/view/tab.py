@@ -52,8 +52,8 @@ def show_only(state: State, layers: Iterable[str]) -> State:
 def view_entries() -> tuple[Entry, ...]:
     """Return the entries of the tab for the layers that are registered."""
     return (
-        _cameras("camera", "Camera", WHOLE),
-        _cameras("camera.leg", "Face leg", LEGS),
+        _cameras("camera", "Camera", WHOLE, "Of the whole robot (keys: 1 to 3)"),
+        _cameras("camera.leg", "Face leg", LEGS, "From its side, near (keys: 4 to 6)"),
         Dropdown(
             "appearance", "Theme", hint="Light or dark; files that are exported stay light",
             options=THEMES,
@@ -85,8 +85,8 @@ def view_entries() -> tuple[Entry, ...]:
     )  # fmt: skip
 
 
-def _cameras(key: str, label: str, names: Iterable[str]) -> ButtonGroup:
-    return ButtonGroup(key, label, choices={name: camera_run(name) for name in names})
+def _cameras(key: str, label: str, names: Iterable[str], hint: str) -> ButtonGroup:
+    return ButtonGroup(key, label, choices={name: camera_run(name) for name in names}, hint=hint)
 
 
 def camera_run(name: str) -> Run:
