@@ -38,7 +38,8 @@ from paminsa_viz.explorer.scene.hues import hue_gradient
 from paminsa_viz.explorer.state.motion import SPEEDS
 from paminsa_viz.explorer.state.simulation import SimulationSettings
 from paminsa_viz.explorer.state.state import State
-from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.palette import COORDINATE_COLORS
+from paminsa_viz.plots.series_builders import POSE_UNITS, build_series
 from paminsa_viz.plots.series_uplot import Chart, charts
 from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
 from paminsa_viz.units import as_sentence, number
@@ -172,6 +173,14 @@ def _error_charts(found: MotionResults) -> tuple[Chart, ...]:
     return charts(build_series("errors", found.sources))
 
 
+def coordinates_html(frame: Frame) -> str:
+    """Return which color is which coordinate in the charts; nothing without them."""
+    if frame.state.simulation.result is None:
+        return ""
+    named = tuple(zip(POSE_UNITS, COORDINATE_COLORS, strict=True))
+    return render("motion/coordinates.j2", coordinates=named)
+
+
 _setting = SettingInputs("simulation", "simulation.settings", SimulationSettings)
 
 SIMULATING: tuple[Entry, ...] = (
@@ -211,6 +220,7 @@ SIMULATING: tuple[Entry, ...] = (
                 },
                 hint="In “Motion plots”, with the instant and the numbers of each curve",
             ),
+            Html("simulation.coordinates", content=coordinates_html, idle=True),
             motion_charts("simulation.charts", _simulated, _error_charts),
         ),
     ),

@@ -22,6 +22,7 @@ from paminsa_viz.explorer.features.motion import plots, simulation
 from paminsa_viz.explorer.features.motion.layers import motion_path
 from paminsa_viz.explorer.features.motion.plots import drawn_charts
 from paminsa_viz.explorer.features.motion.simulation import run
+from paminsa_viz.explorer.features.motion.tab import coordinates_html
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.state.motion import PLOTS, SIMULATED, Kind, PlotView, Timing
 from paminsa_viz.explorer.state.outcome import solve
@@ -261,6 +262,10 @@ def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> No
     x, y, theta, z = COORDINATE_COLORS
     colors = [[trace.color for trace in chart.traces] for chart in (place, turn)]
     assert colors == [[x, y, z], [theta]]
+    named = re.findall(r"(--pv-\w+), #.*?<i>(.)</i>", coordinates_html(compute(done)))
+    assert named == [(f"--pv-{color[1:].lower()}", name) for color, name in
+                     zip(COORDINATE_COLORS, "xyθz", strict=True)]  # fmt: skip
+    assert coordinates_html(compute(state)) == ""
     error = np.degrees(outcome.result.error[:, 2])
     np.testing.assert_allclose(turn.traces[0].values, error, rtol=1e-12)
 
