@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -11,17 +12,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from paminsa_viz.kept import size_of
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import check_reach, home_pose
 from paminsa_viz.model.singularity import measure_singularity
-from paminsa_viz.progress import Canceled
+from paminsa_viz.progress import Canceled, go_on
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.volume import measure
+from paminsa_viz.synthesis.volume import measure, solve
 from paminsa_viz.synthesis.volume.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.volume.grid import COARSE, FINE, Resolution, axes_of
 from paminsa_viz.synthesis.volume.measure import VolumeNodes
-from paminsa_viz.synthesis.volume.solve import Volume, solve_volume
+from paminsa_viz.synthesis.volume.solve import Volume, _margins, solve_volume
 from tests.support.cases import Case, cases
 from tests.synthesis.robots import TURN, met, needs
 from tests.synthesis.volumes import counted_volume
@@ -170,6 +172,38 @@ def test_range_of_z_frees_other_heights() -> None:
     reachable = free.reachable & ~held
     assert free.met[0][reachable].all()
     assert not everywhere.met[0][reachable].all()
+
+
+def test_margins_are_worked_out_and_kept_where_poses_can_be_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    requirements, found, most = needs("condition <= 3", "|tau_1| <= 5 N m"), [], []
+    for size in (10**6, 16):
+        monkeypatch.setattr(solve, "BLOCK", size)
+        told: list[float] = []
+        found.append(
+            solve_volume(APPENDIX_4, requirements, resolution=COARSE, progress=told.append)
+        )
+        assert np.all(np.diff(told) >= 0)
+        assert told[-1] == 1.0
+        volume = found[-1]
+        x, z = volume.x, volume.z
+        tracemalloc.start()
+        _margins(APPENDIX_4, requirements, x, z, volume.reachable, volume.headings, go_on)
+        most.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    at_once, in_blocks = found
+    np.testing.assert_allclose(in_blocks.margins, at_once.margins, rtol=1e-12)
+    assert most[1] < most[0] / 3
+    nodes = volume.reachable
+    assert np.isnan(volume.margins[:, ~nodes]).all()
+    assert not np.isnan(volume.margins[:, nodes]).any()
+    assert volume.reached_margins.shape == (2, nodes.sum())
+    assert size_of(volume) < volume.depth.nbytes + volume.margins.nbytes
+    np.testing.assert_allclose(volume.removed_alone, (~volume.met)[:, nodes].mean(axis=1))
+    last = ~volume.met & ((~volume.met).sum(axis=0) == 1)
+    np.testing.assert_allclose(volume.removed_last, last[:, nodes].mean(axis=1))
+    assert volume.removed_last.all()
 
 
 def test_own_range_of_headings_counts() -> None:

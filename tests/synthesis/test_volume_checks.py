@@ -344,7 +344,7 @@ def test_shares_are_of_the_nodes_that_can_be_reached(nodes: int) -> None:
         places = np.argwhere(volume.reachable & ((~volume.met).sum(axis=0) == 1))[:1]
     few = np.zeros_like(volume.reachable)
     few[tuple(places.T)] = True
-    part = replace(volume, reachable=few)
+    part = replace(volume, reachable=few, reached_margins=volume.margins[:, few])
     broken = ~(volume.margins >= 0.0)[:, few]
     count = max(nodes, 1)
     alone = 1.0 - (~broken).sum(axis=1) / count

@@ -228,13 +228,15 @@ def margin_slope(margin: Array) -> Array:
     finite = np.where(np.isfinite(margin), margin, np.nan)
     squared = np.zeros(margin.shape)
     for axis in range(3):
-        change = np.abs(np.diff(finite, axis=axis))
+        change = np.diff(finite, axis=axis)
+        np.abs(change, out=change)
         slope = np.zeros(margin.shape)
         for part in (slice(None, -1), slice(1, None)):
             view = slope[(slice(None),) * axis + (part,)]
             np.fmax(view, change, out=view)
-        squared += slope * slope
-    return np.sqrt(squared)
+        slope *= slope
+        squared += slope
+    return np.sqrt(squared, out=squared)
 
 
 def margin_distance(margin: Array, slope: Array, step: float) -> Array:
@@ -250,9 +252,11 @@ def margin_distance(margin: Array, slope: Array, step: float) -> Array:
     # A constant margin has no slope, and is as far away as can be.
     far = step * max(margin.shape)
     with np.errstate(all="ignore"):
-        found = np.clip(margin * (step / slope), -far, far)
-    found = np.where(np.isinf(margin), np.copysign(step, margin), found)
-    return np.where(margin == 0.0, 0.0, found)
+        found = margin * (step / slope)
+    np.clip(found, -far, far, out=found)
+    np.copysign(step, margin, out=found, where=np.isinf(margin))
+    found[margin == 0.0] = 0.0
+    return found
 
 
 def zero_surface(depth: Array) -> tuple[Array, NDArray[np.int64]]:

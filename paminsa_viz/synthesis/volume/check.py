@@ -136,8 +136,8 @@ def _over_volume(volume: Volume) -> RequirementsCheck:
     positions = np.column_stack([volume.x[columns[0]], volume.y[columns[1]]])
     everywhere = Samples(positions, volume.z)
     items = list(reach_items(volume.design, requirements, everywhere, inside[columns]))
-    for index, bound in enumerate(requirements.bounds):
-        margin = volume.margins[index][nodes]
+    margins = volume.reached_margins[:, inside[volume.reachable]]
+    for index, (bound, margin) in enumerate(zip(requirements.bounds, margins, strict=True)):
         number = int(margin.argmax() if volume.empty else margin.argmin())
         i, j, k = (int(axis[number]) for axis in nodes)
         samples = Samples(np.array([[volume.x[i], volume.y[j]]]), volume.z[[k]])

@@ -119,12 +119,12 @@ def smallest_conflict(volume: Volume, workspace: Workspace | None = None) -> Con
 
 def _candidates(volume: Volume, workspace: Workspace | None) -> tuple[Array, NDArray[np.bool_]]:
     """Return margins (requirements, candidates), and where a candidate can be reached."""
-    count = len(volume.margins)
+    margins = volume.margins
     if workspace is None:
-        return volume.margins.reshape(count, volume.reachable.size), volume.reachable.ravel()
+        return margins.reshape(len(margins), volume.reachable.size), volume.reachable.ravel()
     reachable = least_within(volume.reachable.astype(float), workspace, volume) > 0.5
-    placed = [least_within(margin, workspace, volume).ravel() for margin in volume.margins]
-    return np.reshape(placed, (count, reachable.size)), reachable.ravel()
+    placed = [least_within(margin, workspace, volume).ravel() for margin in margins]
+    return np.reshape(placed, (len(margins), reachable.size)), reachable.ravel()
 
 
 def _conflict_of(met: NDArray[np.bool_]) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.progress import Progress, go_on
+from paminsa_viz.progress import Progress, go_on, of_part
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.volume.causes import (
     DISCONNECTED,
@@ -44,8 +44,8 @@ class Volume:
         headings: Sampled headings over each range that is more than one heading.
         cause: Code of the cause at each node: the index of an entry of ``causes``; 0 inside.
         causes: What the codes mean.
-        margins: (requirements, x, y, z) least margin of each requirement over its headings [SI];
-            minus infinite where there is no value, NaN where a pose cannot be taken.
+        reached_margins: (requirements, nodes) least margin of each requirement over its headings
+            at the nodes of ``reachable`` [SI]; minus infinite where there is no value.
         depth: Estimated distance to what ends the volume, negative outside of it [m]; the surface
             is where it is zero.
         nearest: Code of the cause that ends the volume next to a node inside; elsewhere the cause.
@@ -66,7 +66,7 @@ class Volume:
     headings: int
     cause: NDArray[np.uint8]
     causes: tuple[VolumeCause, ...]
-    margins: Array
+    reached_margins: Array
     depth: Array
     nearest: NDArray[np.uint8]
     reachable: NDArray[np.bool_]
@@ -103,7 +103,14 @@ class Volume:
         """Share of the reachable volume; NaN where nothing can be reached."""
         return self.volume / self.reachable_volume if self.reachable_volume > 0 else float("nan")
 
-    @cached_property
+    @property
+    def margins(self) -> Array:
+        """``reached_margins`` at all nodes (requirements, x, y, z) [SI]; NaN out of reach."""
+        found = np.full((len(self.reached_margins), *self.reachable.shape), np.nan)
+        found[:, self.reachable] = self.reached_margins
+        return found
+
+    @property
     def met(self) -> NDArray[np.bool_]:
         """Where each requirement is met, (requirements, x, y, z); False out of reach."""
         return self.margins >= 0.0
@@ -111,16 +118,15 @@ class Volume:
     @cached_property
     def removed_alone(self) -> Array:
         """Share of the reachable nodes at which each requirement is broken (requirements,)."""
-        count = max(1, int(self.reachable.sum()))
-        return 1.0 - (self.met & self.reachable).sum(axis=(1, 2, 3)) / count
+        met = self.reached_margins >= 0.0
+        return 1.0 - met.sum(axis=1) / max(1, met.shape[1])
 
     @cached_property
     def removed_last(self) -> Array:
         """Share of the reachable nodes at which each is the only one broken (requirements,)."""
-        count = max(1, int(self.reachable.sum()))
-        broken = (~self.met).sum(axis=0)
-        only = (broken == 1) & self.reachable
-        return (only & ~self.met).sum(axis=(1, 2, 3)) / count
+        broken = ~(self.reached_margins >= 0.0)
+        only = broken.sum(axis=0) == 1
+        return (broken & only).sum(axis=1) / max(1, broken.shape[1])
 
     def shares(self) -> dict[VolumeCause, float]:
         """Return what share of the reachable nodes each cause takes, those that take any."""
@@ -162,6 +168,7 @@ def solve_volume(
     margin, which = bounds.margin(z)
     side = home_side(g, z, both_sides)
     reached = can_be_taken(margin, which)
+    del margin  # as large as all that is kept of a requirement
     takes = reached & bounds.regular & (side >= 0.0)
     reachable = joined_to_home(takes, x, z, g)[0]
     margins = _margins(design, requirements, x, z, reachable, headings, progress)
@@ -173,9 +180,11 @@ def solve_volume(
     body = np.minimum(body, side)
     body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
     least, worst = _distances(requirements, margins, z, step)
+    reached_margins = margins[:, reachable]
     nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
     depth = np.fmin(body, least)
     depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
+    del margins, least  # half of the memory, while the volume is measured
 
     cause = np.full(takes.shape, INSIDE, np.uint8)
     cause[~inside] = DISCONNECTED
@@ -189,10 +198,14 @@ def solve_volume(
         design, requirements, nodes, headings, both_sides, resolution.budget, progress
     )
     return Volume(
-        design, requirements, x, x, z, headings, cause, causes_of(requirements), margins,
-        depth, np.where(inside, nearest, cause), reachable, measured.volume, measured.error,
-        measured.reachable, home_inside,
+        design, requirements, x, x, z, headings, cause, causes_of(requirements),
+        reached_margins, depth, np.where(inside, nearest, cause), reachable, measured.volume,
+        measured.error, measured.reachable, home_inside,
     )  # fmt: skip
+
+
+BLOCK = 512
+"""Positions whose margins are worked out at a time."""
 
 
 def _margins(
@@ -213,9 +226,14 @@ def _margins(
     heights = slice(int(used[0]), int(used[-1]) + 1)
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
-    solved, _ = heading_margins(design, requirements, positions, z[heights], headings, progress)
+    for start in range(0, len(positions), BLOCK):
+        part = slice(start, min(start + BLOCK, len(positions)))
+        share = of_part(progress, part.start / len(positions), part.stop / len(positions))
+        solved, _ = heading_margins(
+            design, requirements, positions[part], z[heights], headings, share
+        )
+        found[:, index[0][part], index[1][part], heights] = solved
     for number, bound in enumerate(requirements.bounds):
-        found[number, index[0], index[1], heights] = solved[number]
         if bound.theta is not None:  # it has no value where these headings cannot be taken
             own = takes_own_headings(design.geometry, x[:, None, None], x[None, :, None], z, bound)
             found[number][~own] = -np.inf
@@ -234,5 +252,5 @@ def _distances(
         if bound.z is not None:
             distance = np.maximum(distance, np.maximum(bound.z[0] - z, z - bound.z[1]))
         nearer = distance < least
-        least, worst = np.where(nearer, distance, least), np.where(nearer, np.uint8(number), worst)
+        least[nearer], worst[nearer] = distance[nearer], number
     return least, worst

@@ -219,10 +219,11 @@ def volume_table(volume: Volume) -> DataTable:
     x, y, z = (np.round(axis[i], 9) for axis, i in places)
     words = np.array([cause.word for cause in volume.causes])
     margins: dict[str, Array] = {}
-    for index, bound in enumerate(volume.requirements.bounds):
+    each = zip(volume.requirements.bounds, volume.margins, strict=True)
+    for index, (bound, margin) in enumerate(each):
         unit = si_unit(bound.entry.unit).replace(" ", "").replace("/", "_per_").replace("^", "")
         suffix = f"_{unit}" if unit not in ("", "1") else ""
-        margins[f"margin{index + 1}_{bound.quantity}{suffix}"] = volume.margins[index]
+        margins[f"margin{index + 1}_{bound.quantity}{suffix}"] = margin
     columns: dict[str, NDArray[Any]] = {
         "x_m": x, "y_m": y, "z_m": z, "cause": words[volume.cause[near]],
         "depth_m": np.round(volume.depth[near], 7),
