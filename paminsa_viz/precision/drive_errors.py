@@ -147,23 +147,15 @@ BLOCK = 1024
 
 
 def _errors(
-    geometry: Geometry,
-    accuracy: DriveAccuracy,
-    pose: Array,
-    rows: Array,
-    margin: Array,
-    status: NDArray[np.uint8],
-    leg: NDArray[np.int8],
+    geometry: Geometry, accuracy: DriveAccuracy, pose: Array, *known: NDArray[Any]
 ) -> Iterator[NDArray[Any]]:
     """Yield the values of `DriveErrors` from ``linear`` on, for a list of poses (n, 4).
 
-    Given are J's rows (9, n) and the reach (n).
+    Known are J's rows (9, n), and of the reach (n) the margin, the status and the leg.
     """
 
     def found(part: slice) -> tuple[NDArray[Any], ...]:
-        return _errors_of_block(
-            geometry, accuracy, pose[part], rows[:, part], margin[part], status[part], leg[part]
-        )
+        return _errors_of_block(geometry, accuracy, pose[part], *(one[..., part] for one in known))
 
     return by_blocks(found, len(pose), BLOCK)
 
