@@ -19,7 +19,12 @@ from paminsa_viz.model.dynamics import mass_matrix, platform_wrench
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.check import singular_clearance
-from paminsa_viz.trajectory.crossing import limit_torques, locus_distances, torque_growth
+from paminsa_viz.trajectory.crossing import (
+    NODES,
+    limit_torques,
+    locus_distances,
+    torque_growth,
+)
 from paminsa_viz.trajectory.sampled import OFF_CROSSING, RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
 from paminsa_viz.trajectory.time_optimal import PlannedCrossing, TimeOptimalPlan
@@ -83,12 +88,26 @@ def payload_drift(
         twist = np.array(item.condition.twist)
         residual = float(twist @ platform_wrench(heavier, *state))
         inertia = float(escape_inertia(heavier, item.crossing.pose))
-        near = item.crossing.s + np.array([-1e-6, 1e-6])
-        distance = locus_distances(design.geometry, found.path(near))[:, item.crossing.locus.value]
-        time = 2.0 * clearance / (abs(float(np.diff(distance)[0])) / 2e-6 * item.speed)
+        time = _time_within(design, found, item, clearance)
         shift = -twist * residual * time**2 / (2.0 * inertia)
         drifts.append(CrossingDrift(inertia, residual, time, tuple(shift.tolist())))
     return tuple(drifts)
+
+
+def _time_within(
+    design: Design, found: TimeOptimalPlan, item: PlannedCrossing, clearance: float
+) -> float:
+    """Return how long a motion is nearer to a locus than the clearance, about a crossing [s]."""
+    ends = []
+    for end in (0.0, 1.0):
+        s = np.linspace(item.crossing.s, end, NODES)
+        distance = locus_distances(design.geometry, found.path(s))[:, item.crossing.locus.value]
+        off = np.abs(distance)
+        out = np.flatnonzero(off[1:] > clearance)[:1] + 1
+        near = off[out - 1], off[out]  # none of either where the path ends within the clearance
+        share = (clearance - near[0]) / (near[1] - near[0])
+        ends += [*(s[out - 1] + share * (s[out] - s[out - 1])), end][:1]
+    return found.curve.time_at(ends[1]) - found.curve.time_at(ends[0])
 
 
 @kinds_checked
