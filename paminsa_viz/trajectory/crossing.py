@@ -114,12 +114,18 @@ class CrossingRefused(PaminsaError):
             ``"infeasible"``.
         s: Where on the path, NaN for none.
         to_raise: The field of `MotionLimits` that is too low; empty if no limit helps.
+        factor: By what it is too low if no time law keeps the limits; infinite otherwise.
     """
 
     def __init__(
-        self, cause: str, problem: str, s: float = float("nan"), to_raise: str = ""
+        self,
+        cause: str,
+        problem: str,
+        s: float = float("nan"),
+        to_raise: str = "",
+        factor: float = float("inf"),
     ) -> None:
-        self.cause, self.s, self.to_raise = cause, s, to_raise
+        self.cause, self.s, self.to_raise, self.factor = cause, s, to_raise, factor
         super().__init__(problem)
 
 

@@ -255,23 +255,25 @@ class CrossingProgram:
         rates = ~of_torque
         speeds = Rows(factors[rates], constant[rates], limit[rates], of_torque[rates])
         problem = "no time law satisfies the conditions at the crossings, whatever the torques"
-        to_raise = ""
+        to_raise, factor = "", math.inf
         if torque is not None:
+            factor = torque
             problem = (
                 "no time law keeps the limits; torque and force limits would have to be at least "
-                f"{rounded_to_side(torque, 4, up=True):.4g} times as large"
+                f"{rounded_to_side(factor, 4, up=True):.4g} times as large"
             )
             to_raise = "force" if self._limits.torque is None else "torque"
         elif len(speeds.limit):
             squared = self._least_factor(speeds, ~speeds.of_torque)
             if squared is not None:
+                factor = math.sqrt(squared)
                 problem = (
                     "no time law satisfies the conditions at the crossings within the speed "
                     "limits, whatever the torques; speed limits would have to be at least "
-                    f"{rounded_to_side(math.sqrt(squared), 4, up=True):.4g} times as large"
+                    f"{rounded_to_side(factor, 4, up=True):.4g} times as large"
                 )
                 to_raise = "turn_speed" if self._limits.speed is None else "speed"
-        raise CrossingRefused("infeasible", problem, to_raise=to_raise)
+        raise CrossingRefused("infeasible", problem, to_raise=to_raise, factor=factor)
 
     def _least_factor(self, kept: Rows, scaled: NDArray[np.bool_]) -> float | None:
         """Return by what limits have to be multiplied, the others being kept; None if no number."""

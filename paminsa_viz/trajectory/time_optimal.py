@@ -255,9 +255,9 @@ def _program(
     It is the first of `REFINEMENTS`, or where a crossing is steep of `STEEP_REFINEMENTS`.
 
     Raises:
-        CrossingRefused: If there is none.
+        CrossingRefused: If there is none: that a motion would stop, or the least that is needed.
     """
-    refusal = CrossingRefused("infeasible", "")
+    refusals: list[CrossingRefused] = []
     steep = any(
         influence(design, path, item, crossing_condition(design, path, item.s)) < STEEP
         for item in found
@@ -274,7 +274,7 @@ def _program(
                     break
                 fast, slow = program.fastest(), program.slowest()
         except CrossingRefused as infeasible:
-            refusal = infeasible
+            refusals.append(infeasible)
             continue
         s = np.linspace(0.0, 1.0, 2001)[1:-1]
         z = program.spline(fast)(s)
@@ -285,8 +285,15 @@ def _program(
             "the conditions at the crossings can be met only by a motion that stops at "
             f"s = {stop:.4g}; change the path"
         )
-        refusal = CrossingRefused("weak", problem, stop)
-    raise refusal
+        refusals.append(CrossingRefused("weak", problem, stop))
+    raise min(refusals, key=_needed)
+
+
+def _needed(refusal: CrossingRefused) -> tuple[int, float]:
+    """Return how much it takes, to sort by: no other limits, torques, speeds, or what none give."""
+    if refusal.cause == "weak":
+        return 0, 0.0
+    return 1 if refusal.to_raise in ("torque", "force") else 2, refusal.factor
 
 
 def _planned(
@@ -410,7 +417,7 @@ def plan_deformed(
                 if len(found.crossings) == len(met):
                     return DeformedPlan(found, float(deviation))
     problem = f"{cause}; nor on a path up to {1e3 * most:.3g} mm from it"
-    raise CrossingRefused(cause.cause, problem, cause.s, cause.to_raise)
+    raise CrossingRefused(cause.cause, problem, cause.s, cause.to_raise, cause.factor)
 
 
 def _deformed(

@@ -137,6 +137,7 @@ class Program:
     made: ClassVar[list[tuple[int, int]]] = []
     rounds: ClassVar[list[int]] = []
     refused: ClassVar[int] = 0
+    needs: ClassVar[dict[int, tuple[str, float]]] = {}
     enough: ClassVar[int] = 1
     lowest: ClassVar[float] = 1.0
 
@@ -147,7 +148,9 @@ class Program:
 
     def fastest(self) -> str:
         if self.number <= self.refused:
-            raise CrossingRefused("infeasible", f"number {self.number}")
+            needs = self.needs.get(self.number, ("", np.inf))
+            problem = f"number {self.number}"
+            raise CrossingRefused("infeasible", problem, to_raise=needs[0], factor=needs[1])
         return "fast"
 
     def slowest(self) -> str:
@@ -189,10 +192,10 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> type[Program]:
 def test_pieces_are_refined_in_turn_and_finer_if_one_crossing_is_steep(
     asked: type[Program], cosines: list[float], expected: list[tuple[int, int]]
 ) -> None:
-    """Until one has a law; the last one's refusal is told if none has."""
+    """Until one has a law."""
     found = tuple(replace(CROSSED, s=s) for s in cosines)
     asked.refused = 9
-    with pytest.raises(CrossingRefused, match=f"^number {len(expected)}$"):
+    with pytest.raises(CrossingRefused, match=r"^number 1$"):
         MODULE._program(BALANCED, LINE, found, TEN)
     assert asked.made == expected
     if len(expected) > 1:
@@ -200,6 +203,25 @@ def test_pieces_are_refined_in_turn_and_finer_if_one_crossing_is_steep(
         asked.refused = 1
         program, *laws = MODULE._program(BALANCED, LINE, found, TEN)
         assert (program.number, laws, asked.made) == (2, ["fast", "slow"], expected[:2])
+
+
+@pytest.mark.parametrize(
+    ("needs", "refused", "told"),
+    [
+        ({1: ("torque", 1.3), 2: ("torque", 1.2), 3: ("torque", 1.4)}, 3, "number 2"),
+        ({1: ("speed", 1.1), 2: ("", np.inf), 3: ("force", 1.4)}, 3, "number 3"),
+        ({1: ("", np.inf), 2: ("turn_speed", 1.5), 3: ("speed", 1.2)}, 3, "number 3"),
+        ({1: ("torque", 1.01), 2: ("torque", 1.01)}, 2, "stops at s = 0.5"),
+    ],
+    ids=["torques", "torques rather than speeds", "speeds", "none, but a stop"],
+)
+def test_of_several_refusals_the_one_that_needs_least_is_told(
+    asked: type[Program], needs: dict[int, tuple[str, float]], refused: int, told: str
+) -> None:
+    """Other pieces would need more, which is not the least that limits have to be raised by."""
+    asked.refused, asked.needs, asked.lowest = refused, needs, 0.0
+    with pytest.raises(CrossingRefused, match=told):
+        MODULE._program(BALANCED, LINE, (CROSSED,), TEN)
 
 
 @pytest.mark.parametrize(("needed", "done"), [(1, 1), (2, 2), (4, 4), (9, 4)])
