@@ -406,6 +406,8 @@ def plan_deformed(
             raise
         cause = refusal
     met = crossings(design.geometry, path)
+    if not met:  # nothing of the path is changed but near crossings
+        raise cause
     for deviation in most * 2.0 ** np.arange(-5, 1):
         for shape in (_ODD, _EVEN):
             for sign in (1.0, -1.0):

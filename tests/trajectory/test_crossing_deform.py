@@ -16,7 +16,7 @@ from paminsa_viz.trajectory import (
     straight_path,
     time_optimal,
 )
-from paminsa_viz.trajectory.paths import StraightPath
+from paminsa_viz.trajectory.paths import StraightPath, spline_path
 from paminsa_viz.trajectory.time_optimal import DeformedPlan
 
 pytestmark = pytest.mark.slow
@@ -86,3 +86,11 @@ def test_what_needs_no_change_is_not_changed_and_what_cannot_be_held_is_refused(
     assert refusal.value.cause == "hold"
     with pytest.raises(InvalidInput, match="most"):
         plan_deformed(BALANCED, turn, TEN, most=0.0)
+
+
+def test_a_path_without_a_crossing_is_refused_for_what_it_needs() -> None:
+    """Its middle needs more than its ends, and there is no crossing to change it at."""
+    path = spline_path([[0.0, 0.0, 0.0, -0.5], [0.12, 0.05, 0.3, -0.5], [0.01, 0.0, 0.01, -0.5]])
+    with pytest.raises(CrossingRefused, match=r"at least \S+ times as large$") as refusal:
+        plan_deformed(APPENDIX_4, path, MotionLimits(torque=1.0))
+    assert (refusal.value.cause, refusal.value.to_raise) == ("infeasible", "torque")
