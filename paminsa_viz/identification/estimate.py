@@ -103,8 +103,8 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
         size = f"of {length:g} s"
         left = counted(following, f"block {size} is", f"blocks {size} are")
         raise InvalidLog(
-            f"{left} left after filtering; intervals need {FEWEST_BLOCKS}, and 20 s or more are "
-            "advised, or a higher cut-off"
+            f"{left} left after filtering, which takes the ends of every piece without gaps; "
+            f"intervals need {FEWEST_BLOCKS}, and 20 s or more are advised, or a higher cut-off"
         )
     return found
 
@@ -228,6 +228,12 @@ def _residual(blocks: NormalBlocks, x: Array) -> Array:
     """Return the sums of the squared residuals, (4,)."""
     matrix, right = blocks.matrix.sum(axis=0), blocks.right.sum(axis=0)
     return blocks.square.sum(axis=0) - 2 * right @ x + np.einsum("a,jac,c->j", x, matrix, x)
+
+
+def block_residuals(blocks: NormalBlocks, x: Array) -> Array:
+    """Return the root mean squares of what numbers x (n,) leave in each block, (B, 4)."""
+    left = np.einsum("a,bjac,c->bj", x, blocks.matrix, x) - 2 * blocks.right @ x + blocks.square
+    return np.sqrt(np.maximum(left, 0.0) / blocks.samples[:, None])
 
 
 def unit_scale(whole: Array) -> Array:

@@ -172,7 +172,8 @@ def filter_log(
     """
     if not (np.isfinite(cut_off) and 0 < cut_off <= log.rate / LOWEST_RATE):
         most = rounded_to_side(log.rate / LOWEST_RATE, 6, up=False)
-        raise InvalidInput("cut_off", f"above 0 and at most {most:g} Hz is needed, not {cut_off!r}")
+        problem = f"above 0 and at most {most:g} Hz is needed with {log.rate:.6g} rows a second"
+        raise InvalidInput("cut_off", f"{problem}, not {cut_off!r}")
     from scipy.signal import butter, sosfiltfilt  # takes a while to load
 
     every = thinning_for(log.rate, cut_off) if thinning is None else thinning

@@ -19,6 +19,7 @@ from paminsa_viz.identification.estimate import (
     FitSolution,
     NormalBlocks,
     block_numbers,
+    block_residuals,
     normal_blocks,
     solve,
 )
@@ -56,6 +57,12 @@ LEAST_MOVE = 0.05
 
 DELAY_STEPS = 2
 """How often the torques are shifted by the delay that is found."""
+
+MOST_LEFT = 10.0
+"""What is left in a block over what is left in the others from which on a note names it."""
+
+LEAST_LEFT = 0.01
+"""Less than this share of the torque's standard deviation is no outlier, of a log without noise."""
 
 FEW_SECONDS = 20.0
 """Shorter logs than this get a note [s]."""
@@ -129,6 +136,7 @@ def identify(
     )
     if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
+    notes += _outliers(signals, blocks, solution, numbers)
     problem = units_problem(model) or order_problem(model) or problem_of(estimates)
     if problem:
         notes.append(problem)
@@ -198,6 +206,25 @@ def require_motion(signals: Signals, log: str = "") -> None:
         if spread <= RESOLUTION * np.abs(signals.torque).max():
             problem = f"the torque of {name} never changes; check its sensor or column"
             raise InvalidLog(problem, log=log)
+
+
+def _outliers(
+    signals: Signals, blocks: NormalBlocks, solution: FitSolution, numbers: NDArray[np.int64]
+) -> list[str]:
+    """Return a note on the block in which far more is left than in the others, if there is one."""
+    left = block_residuals(blocks, solution.x)
+    spread = signals.torque.std(axis=0)
+    usual = np.maximum(np.median(left, axis=0), RESOLUTION * spread)
+    times = np.where(left > LEAST_LEFT * spread, left / usual, 0.0)
+    block, place = np.unravel_index(int(times.argmax()), times.shape)
+    if times[block, place] <= MOST_LEFT:
+        return []
+    t = signals.t[numbers == block]
+    return [
+        f"from {t[0]:.4g} s to {t[-1]:.4g} s the torque of {ACTUATORS[place]} is off by "
+        f"{times[block, place]:.2g} times as much as elsewhere: an outlier or a contact there "
+        "widens intervals; leave its rows out and split the log at the gap"
+    ]
 
 
 def _moves(

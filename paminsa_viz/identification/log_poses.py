@@ -97,7 +97,8 @@ def _why(pose: Array, reason: str, condition: float) -> str:
         return f"{reason}; check zeros, geometry and start pose"
     return (
         f"the condition number is {condition:.3g}, near a singularity, where encoder noise becomes "
-        f"torque; at most {MOST_CONDITION:g} is used: leave these rows out"
+        f"torque; at most {MOST_CONDITION:g} is used: leave these rows out, or check zeros, signs "
+        "and order of the positions if the robot was not there"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -24,11 +25,12 @@ from paminsa_viz.identification import (
 from paminsa_viz.identification.base_parameters import LEG_PARAMETERS
 from paminsa_viz.identification.causes import find_causes
 from paminsa_viz.identification.columns import LARGE_SHARE, FitParameter, base_scale
-from paminsa_viz.identification.estimate import RESOLUTION
+from paminsa_viz.identification.estimate import RESOLUTION, normal_blocks
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.identification.identify import (
     _identity,
     _moves,
+    _outliers,
     filtered,
     require_motion,
     shifted,
@@ -213,6 +215,44 @@ def test_short_logs_and_torques_with_the_wrong_sign_are_noted() -> None:
     first = identify(APPENDIX_4, log, QUICK).notes[0]
     assert "half at 10 Hz" in first
     assert "38 blocks of 0.5 s" in first  # 19.1 s are left after filtering
+
+
+def test_a_note_says_where_an_outlier_widens_the_intervals() -> None:
+    """The motion excites all that it leaves unknown: no advice on motions would help."""
+    log = simulated(1, RUBBING, rate=60.0)
+    assert not any("outlier" in note for note in identify(APPENDIX_4, log, QUICK).notes)
+    torque = log.torque.copy()
+    torque[round(8.2 * log.rate), 1] += 40.0
+    found = identify(APPENDIX_4, make_log(log.t, log.position, torque), QUICK)
+    (note,) = (note for note in found.notes if "outlier" in note)
+    said = re.match(r"from (\S+) s to (\S+) s the torque of M2 is off by (\S+) times as", note)
+    assert said is not None
+    assert float(said[1]) < 8.2 < float(said[2]) <= float(said[1]) + 0.5
+    left = [
+        np.sqrt((found.residual[found.numbers == block, 1] ** 2).mean())
+        for block in range(found.solution.blocks)
+    ]
+    assert float(said[3]) == pytest.approx(max(left) / np.median(left), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("most", "spread", "noted"),
+    [(10.2, 0.1, True), (9.8, 0.1, False), (20.0, 1980.0, True), (20.0, 2020.0, False)],
+    ids=["beyond", "within", "large enough", "of a log without noise"],
+)
+def test_an_outlier_is_ten_times_what_is_left_elsewhere_and_a_hundredth_of_the_torque(
+    most: float, spread: float, noted: bool
+) -> None:
+    numbers = np.repeat(np.arange(5), 4)
+    left = np.ones((20, 4))
+    left[8:12, 2] = most
+    blocks = normal_blocks(np.zeros((20, 4, 1)), left, numbers)
+    torque = spread * np.tile([[1.0], [-1.0]], (10, 4))
+    signals = SimpleNamespace(t=np.arange(20.0), torque=torque)
+    found = _outliers(signals, blocks, SimpleNamespace(x=np.zeros(1)), numbers)  # type: ignore[arg-type]
+    assert [note.partition(" is off")[0] for note in found] == [
+        "from 8 s to 11 s the torque of M3"
+    ] * noted
 
 
 def test_a_low_cut_off_takes_nothing_from_the_motion_and_lengthens_blocks() -> None:
@@ -479,7 +519,7 @@ def test_torques_of_a_time_later_are_exact_for_parabolas_in_each_segment() -> No
     ("words", "call"),
     [
         (
-            "cut_off: above 0 and at most 50 Hz is needed, not 50.1",
+            "at most 50 Hz is needed with 200 rows a second, not 50.1",
             lambda log: identify(APPENDIX_4, log, IdentificationSettings(cut_off=50.1)),
         ),
         ("block", lambda log: IdentificationSettings(block=-1.0)),
