@@ -16,7 +16,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array, as_numbers, own_vectors
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.trajectory.simulation import Simulation
-from paminsa_viz.units import counted
+from paminsa_viz.units import counted, rounded_to_side
 
 LONGEST_STEP = 1.5
 """Longest time between two rows, in sample times; more is a gap."""
@@ -224,7 +224,8 @@ def _check_steps(
         row = int(fast[0])
         column = int((speed[row] / limits).argmax())
         unit = "m/s" if column == 3 else "rad/s"
-        problem = f"a jump at {speed[row, column]:.3g} {unit}; at most {limits[column]:g} is real"
+        size = rounded_to_side(float(speed[row, column]), 3, up=True)
+        problem = f"a jump at {size:.3g} {unit}; at most {limits[column]:g} is real"
         raise InvalidLog(problem, int(rows[row + 1]), _NAMES[column])
 
 

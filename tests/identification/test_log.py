@@ -99,6 +99,16 @@ def test_of_two_jumps_in_a_row_the_one_further_beyond_its_limit_is_named(
         make_log(t, position, torque)
 
 
+def test_a_jump_that_is_barely_too_large_does_not_read_as_if_it_were_real(
+    signals: list[Any],
+) -> None:
+    t, position, torque = signals
+    step = position[50, 3] - position[49, 3]
+    position[50:, 3] += 10.004 / RATE - step
+    with pytest.raises(InvalidLog, match=r"a jump at 10\.1 m/s; at most 10 is real"):
+        make_log(t, position, torque)
+
+
 def test_samples_know_their_rows_where_rows_are_left_out_or_resampled(signals: list[Any]) -> None:
     log = make_log(*signals, first_row=10)
     assert [log.row(index) for index in (0, 7)] == [10, 17]
