@@ -286,14 +286,8 @@ def _program(
             f"s = {stop:.4g}; change the path"
         )
         refusals.append(CrossingRefused("weak", problem, stop))
-    raise min(refusals, key=_needed)
-
-
-def _needed(refusal: CrossingRefused) -> tuple[int, float]:
-    """Return how much it takes, to sort by: no other limits, torques, speeds, or what none give."""
-    if refusal.cause == "weak":
-        return 0, 0.0
-    return 1 if refusal.to_raise in ("torque", "force") else 2, refusal.factor
+    # of a motion that would stop no limit is too low
+    raise min(refusals, key=lambda refusal: (refusal.cause != "weak", refusal.factor))
 
 
 def _planned(

@@ -209,11 +209,11 @@ def test_pieces_are_refined_in_turn_and_finer_if_one_crossing_is_steep(
     ("needs", "refused", "told"),
     [
         ({1: ("torque", 1.3), 2: ("torque", 1.2), 3: ("torque", 1.4)}, 3, "number 2"),
-        ({1: ("speed", 1.1), 2: ("", np.inf), 3: ("force", 1.4)}, 3, "number 3"),
+        ({1: ("speed", 1.5), 2: ("", np.inf), 3: ("force", 1.4)}, 3, "number 3"),
         ({1: ("", np.inf), 2: ("turn_speed", 1.5), 3: ("speed", 1.2)}, 3, "number 3"),
         ({1: ("torque", 1.01), 2: ("torque", 1.01)}, 2, "stops at s = 0.5"),
     ],
-    ids=["torques", "torques rather than speeds", "speeds", "none, but a stop"],
+    ids=["torques", "torques or speeds", "speeds", "none, but a stop"],
 )
 def test_of_several_refusals_the_one_that_needs_least_is_told(
     asked: type[Program], needs: dict[int, tuple[str, float]], refused: int, told: str
