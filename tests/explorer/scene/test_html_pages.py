@@ -123,7 +123,7 @@ def test_failing_motion_is_played_up_to_its_failure() -> None:
 
 @pytest.mark.slow
 def test_page_says_that_legs_are_taken_as_equal() -> None:
-    trajectory, note = moved(0, 0, 0, 0.05), "<p>Legs are equal, the design&#x27;s deviations of"
+    trajectory, note = moved(0, 0, 0, 0.05), "<p>Legs are equal, the design’s deviations of"
     assert note not in motion_html(APPENDIX_4, trajectory).decode()
     assert note in motion_html(APPENDIX_4.vary({"leg2.bar_94": 1e-4}), trajectory).decode()
 

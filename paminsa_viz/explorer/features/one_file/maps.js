@@ -101,7 +101,7 @@ const createMaps = ({ current, move, begin }) => {
     const other = differs() ? solvePose(reference(), pose) : { ok: true, torques: [0, 0, 0] };
     const values = [0, 1, 2].map((index) =>
       `${symbol(index)} = ${number(found.torques[index] - other.torques[index], 3 + robot.spare.torque)}`);
-    const why = found.ok ? "out of the pinned design's reach" : `out of reach: leg ${found.leg}, ${PAGE.limits[found.limit]}`;
+    const why = found.ok ? "out of the pinned design’s reach" : `out of reach: leg ${found.leg}, ${PAGE.limits[found.limit]}`;
     find("read").textContent = `x = ${millimeters(robot, pointed[0])} mm, y = ${millimeters(robot, pointed[1])} mm: `
       + (found.ok && other.ok ? `${values.join(", ")} N·m` : why);
   };

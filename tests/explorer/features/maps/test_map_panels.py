@@ -249,7 +249,7 @@ def test_only_the_map_in_sight_is_drawn_and_finely_when_idle(desk: Desk) -> None
 def test_a_family_of_quantities_is_chosen_first(desk: Desk) -> None:
     """Only those of the family are offered, and its first is shown; choosing it again keeps."""
     family, _ = quantity_inputs(
-        "map", ("", ""), lambda state: state.map_view.quantity, choose_quantity
+        "map", ("", ""), lambda state: state.map_view.quantity, choose_quantity, ""
     )
     kept = family.apply(choose_quantity(desk.state, "rms_torque"), "static torques")
     assert kept.map_view.quantity == "rms_torque"
