@@ -512,6 +512,8 @@ def test_palette_opens_again_while_it_closes(tab: Tab) -> None:
     tab.page.evaluate(REOPENED)
     until(lambda: box.count() and box.input_value() == "st", "it is open again, with what is typed")
     assert box.evaluate(focused)
+    box.press("Escape")
+    box.wait_for(state="detached")
 
 
 def test_number_that_is_clicked_is_pinned_and_the_cross_takes_it_off(tab: Tab) -> None:
