@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -13,6 +13,7 @@ from paminsa_viz.identification.log import Log, make_log
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
+    Friction,
     check_reach,
     inverse_dynamics,
     inverse_kinematics,
@@ -21,6 +22,9 @@ from paminsa_viz.model import (
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.lumped import MASS_PATHS, mass_vector
 from paminsa_viz.model.reach import Limit, home_pose
+
+RUBBING = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
+"""A robot whose joints rub."""
 
 PERIOD = 10.0
 """Period of the multi-sines [s]."""
