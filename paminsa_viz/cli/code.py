@@ -23,8 +23,8 @@ Write a robot as C code for its controller: kinematics, statics and dynamics in 
   paminsa-viz code --out controller --float                single precision, for small processors
   paminsa-viz code --out controller --fmu plant --fmu inverse   and FMUs (FMI 2.0)
 
-The folder has paminsa.h (C99, no memory, no globals, only math.h), design.h, test vectors, a test
-program and a README with conventions, units and limits."""
+The folder has paminsa.h (C99 or C++11, no memory, no globals, only math.h), design.h, test vectors,
+a test program and a README with conventions, units and limits."""
 
 
 @dataclass(frozen=True, kw_only=True)

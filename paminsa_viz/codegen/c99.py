@@ -1,4 +1,4 @@
-"""Formulas in C99: structs by pointer in, by value out; only math.h is needed."""
+"""Formulas in C99 that is C++11 too: structs by pointer in, by value out; only math.h is needed."""
 
 from __future__ import annotations
 
@@ -53,13 +53,17 @@ class C99:
         """Return a variable as an argument of a call: records by their address."""
         return f"&{text}" if isinstance(kind, Record) and not is_argument else text
 
-    def made(self, record: Record, values: list[str]) -> str:
-        """Return a new record."""
+    def made(self, name: str, record: Record, values: list[str]) -> tuple[list[str], str]:
+        """Return what declares and fills a variable, and its name.
+
+        C99's literals of structs are not in C++, nor are names in initializers before C++20.
+        """
         if not record.fields:
-            return f"({self.type_name(record)}){{{{{', '.join(values)}}}}}"
+            inside = ", ".join(values)
+            return [f"const {self.type_name(record)} {name} = {{{{{inside}}}}};"], name
         pairs = zip(record.fields, values, strict=True)
-        parts = "\n".join(f"    .{name} = {value}," for name, value in pairs)
-        return f"({self.type_name(record)}){{\n{parts}\n}}"
+        filling = [f"{name}.{field} = {value};" for field, value in pairs]
+        return [f"{self.type_name(record)} {name};", *filling], name
 
     def constant(self, name: str, value: Any) -> str:
         """Return the definition of a constant."""
@@ -97,9 +101,7 @@ class C99:
             if line.startswith("// "):
                 lines += filled(f"/* {line[3:]} */", 4)
             else:
-                for part in line.split("\n"):
-                    depth = 8 if part.startswith("    ") else 4
-                    lines += filled(part.strip(), depth)
+                lines += filled(line, 4)
         return "\n".join([*lines, "}"])
 
 

@@ -52,12 +52,12 @@ class JavaScript:
         """Return a variable as an argument of a call."""
         return text
 
-    def made(self, record: Record, values: list[str]) -> str:
-        """Return a new record."""
+    def made(self, name: str, record: Record, values: list[str]) -> tuple[list[str], str]:
+        """Return no statement, and a literal."""
         if not record.fields:
-            return f"[{', '.join(values)}]"
+            return [], f"[{', '.join(values)}]"
         pairs = zip(record.fields, values, strict=True)
-        return "{ " + ", ".join(f"{name}: {value}" for name, value in pairs) + " }"
+        return [], "{ " + ", ".join(f"{name}: {value}" for name, value in pairs) + " }"
 
     def constant(self, name: str, value: Any) -> str:
         """Return the definition of a constant."""

@@ -198,7 +198,7 @@ def design_header(design: Design) -> str:
 
     def members(record: object) -> str:
         pairs = record._asdict().items()  # type: ignore[attr-defined]
-        return "\n".join(f"        .{name} = {float(value)!r}," for name, value in pairs)
+        return "\n".join(f"        {float(value)!r},  /* {name} */" for name, value in pairs)
 
     about = f'the numbers of the design "{_plain(design.name)}"'
     return f"""/* design.h: {noting_equal_legs(about, design.deviations)}. */
@@ -208,23 +208,23 @@ def design_header(design: Design) -> str:
 #include "paminsa.h"
 
 static const PaminsaDesign PAMINSA_DESIGN = {{
-    .mechanism = {{
+    {{  /* mechanism */
 {members(m)}
     }},
-    .energy = {{
+    {{  /* energy */
 {members(e)}
     }},
-    .platform_mass = {design.platform.mass!r},
-    .platform_inertia = {design.platform.inertia!r},
-    .gravity = {design.gravity!r},
-    .viscous = {numbers(friction.viscous)},
-    .coulomb = {numbers(friction.coulomb)},
-    .transition_speed = {friction.transition_speed!r},
-    .drive_inertia = {numbers(design.drive_inertia)},
-    .force = {numbers(load.wrench[:3])},
-    .moment = {numbers(load.wrench[3:])},
-    .point = {numbers(load.point)},
-    .load_turns = {load.turns!r},
+    {design.platform.mass!r},  /* platform_mass */
+    {design.platform.inertia!r},  /* platform_inertia */
+    {design.gravity!r},  /* gravity */
+    {numbers(friction.viscous)},  /* viscous */
+    {numbers(friction.coulomb)},  /* coulomb */
+    {friction.transition_speed!r},  /* transition_speed */
+    {numbers(design.drive_inertia)},  /* drive_inertia */
+    {numbers(load.wrench[:3])},  /* force */
+    {numbers(load.wrench[3:])},  /* moment */
+    {numbers(load.point)},  /* point */
+    {load.turns!r}  /* load_turns */
 }};
 
 {_mass_setter(design)}
@@ -246,7 +246,7 @@ def _mass_setter(design: Design) -> str:
     values = [*mass_vector(design).tolist(), *(weight.mass for weight in weights)]
     listed = "\n".join(f"    PAMINSA_{name}," for name in names)
     numbers = "\n".join(
-        f"    [PAMINSA_{name}] = {float(value)!r},"
+        f"    {float(value)!r},  /* PAMINSA_{name} */"
         for name, value in zip(names, values, strict=True)
     )
     sums = []

@@ -92,8 +92,13 @@ class Language(Protocol):
         """Return a variable as an argument of a call."""
         ...
 
-    def made(self, record: Record, values: list[str]) -> str:
-        """Return a new record."""
+    def made(self, name: str, record: Record, values: list[str]) -> tuple[list[str], str]:
+        """Return statements that make a new record, and the expression for it.
+
+        Args:
+            name: That of a variable for it, if the language needs one.
+            record, values: Its type, and what is in it.
+        """
         ...
 
     def constant(self, name: str, value: Any) -> str:
@@ -257,7 +262,14 @@ class _Body:
         fields = tuple(item.id for item in node.elts if isinstance(item, ast.Name)) if named else ()
         doc = f"What `{self.name}` returns."
         record = self.printer.define(Record(self.name, fields, len(values), doc=doc))
-        return self.language.made(record, values), record, ATOM
+        return self._made(record, values)
+
+    def _made(self, record: Record, values: list[str]) -> Expression:
+        statements, text = self.language.made(self._free_name("result"), record, values)
+        self.lines += statements
+        if statements:
+            self.kinds[text] = record
+        return text, record, ATOM
 
     def _assign(self, target: ast.expr, value: ast.expr) -> None:
         if isinstance(target, ast.Name):
@@ -299,12 +311,17 @@ class _Body:
             return text, kind
         stem = kind.name[0].lower() + kind.name[1:]
         stem = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in stem)
+        name = self._free_name(stem)
+        self._store(name, kind, text)
+        return name, kind
+
+    def _free_name(self, stem: str) -> str:
+        """Return a name that no variable has."""
         name, number = stem, 1
         while name in self.kinds:
             number += 1
             name = f"{stem}_{number}"
-        self._store(name, kind, text)
-        return name, kind
+        return name
 
     def _member(self, text: str, record: Record, index: int) -> str:
         return self.language.member(text, record, index, text in self.arguments)
@@ -394,7 +411,7 @@ class _Body:
             record = self.printer.record(function)
             if len(arguments) == record.size:
                 values = [self._real(item) for item in arguments]
-                return self.language.made(record, values), record, ATOM
+                return self._made(record, values)
         if isinstance(function, FunctionType):
             name = self.printer.call(function)
             passed = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -30,13 +30,13 @@ RECORDS = {"m": Mechanism, "e": EnergyTerms, "g": LegPosition}
 """Records among the arguments of formulas, by the names of the arguments."""
 
 
-def compilers() -> list[Any]:
-    """Return the C compilers as parameters; those that are not here are skipped."""
+def compilers(names: Sequence[str] = ("gcc", "clang")) -> list[Any]:
+    """Return compilers as parameters; those that are not here are skipped."""
     return [
         pytest.param(
             name, marks=pytest.mark.skipif(shutil.which(name) is None, reason=f"no {name} here")
         )
-        for name in ("gcc", "clang")
+        for name in names
     ]
 
 

@@ -76,6 +76,28 @@ def test_c_agrees_with_python(name: str, tmp_path: Path) -> None:
     check_agreement(tmp_path)
 
 
+STRICT_CPP = (
+    "-std=c++11",
+    *(flag for flag in STRICT if "std" not in flag),
+    "-Wconversion",
+    "-Wshadow",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("compiler", compilers(["g++", "clang++"]))
+def test_cpp_agrees_with_python(compiler: str, single: bool, tmp_path: Path) -> None:
+    write(tmp_path, DESIGNS["appendix-4"], single=single)
+    command = [compiler, "-x", "c++", *STRICT_CPP, "-O0", "test.c", "-o", "test"]
+    built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert (built.returncode, built.stderr[:2000]) == (0, "")
+    if single:
+        assert run_test(tmp_path).returncode == 0
+    else:
+        check_agreement(tmp_path)
+
+
 def check_agreement(folder: Path) -> None:
     done = run_test(folder)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout

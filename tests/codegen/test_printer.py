@@ -327,25 +327,26 @@ static inline PaminsaParts paminsa_parts(double a, double b)
 {
     const double total = a + b;
     const double rest = a - b;
-    return (PaminsaParts){
-        .total = total,
-        .rest = rest,
-    };
+    PaminsaParts result;
+    result.total = total;
+    result.rest = rest;
+    return result;
 }
 
 /* Two numbers without. */
 static inline PaminsaHalves paminsa_halves(double a)
 {
-    return (PaminsaHalves){{a / 2.0, -a / 2.0}};
+    const PaminsaHalves result = {{a / 2.0, -a / 2.0}};
+    return result;
 }
 
 /* Two numbers of a kind, a PaminsaBothEnds. */
 static inline PaminsaBothEnds paminsa_ends(double a)
 {
-    return (PaminsaBothEnds){
-        .near = a,
-        .far = -a,
-    };
+    PaminsaBothEnds result;
+    result.near = a;
+    result.far = -a;
+    return result;
 }
 
 /* What reads them. */
