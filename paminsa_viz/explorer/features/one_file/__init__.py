@@ -75,8 +75,8 @@ SHOWN_TABS = ("Lengths", "Masses", "Load")
 """Sections of the design's numbers that change what the page shows."""
 
 SCRIPTS = (
-    "documents", "robot", "motion", "bodies", "scales", "scene", "view", "numbers", "pictures",
-    "maps", "playback", "page",
+    "documents", "robot", "motion", "bodies", "scales", "contours", "scene", "view", "numbers",
+    "pictures", "maps", "playback", "page",
 )  # fmt: skip
 """What the page runs, a file each, in this order."""
 

@@ -68,10 +68,12 @@ const createMaps = ({ current, move, begin }) => {
     const limit = moving && solved ? solved.limit : limitOf(maps, one);
     const pictures = maps.map((each) => pictureOf(each, n, limit));
     const isZero = maps.every((map) => map.every((value) => !(Math.abs(value) > 1e-9 * one)));
-    solved = { limit, pictures, cells: pictures.map(canvasOf), isZero };
+    const contours = maps.map((each) => contourLines(each, n, limit, singularRadius() / (2 * extent())));
+    solved = { limit, pictures, cells: pictures.map(canvasOf), lines: contours.map(pathsOf), isZero };
     key = wanted;
   };
-  const named = () => solved.cells.map((cells, index) => ({ cells, name: symbol(index), color: MAP_COLORS[index] }));
+  const named = () => solved.cells.map((cells, index) =>
+    ({ cells, lines: solved.lines[index], name: symbol(index), color: MAP_COLORS[index] }));
   const seen = () => ({ limit: solved.limit, extent: extent(), singular: singularRadius(), pose: current().doc.pose });
 
   // --- the place that is read -----------------------------------------------------------------

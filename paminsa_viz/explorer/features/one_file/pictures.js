@@ -53,6 +53,18 @@ const canvasOf = (picture) => {
   return canvas;
 };
 
+/** Return contour lines as the path of the zero level and that of the others, in a unit square. */
+const pathsOf = (contours) => [true, false].map((isZero) => {
+  const path = new Path2D();
+  for (const { pieces } of contours.filter(({ level }) => (level === 0) === isZero)) {
+    for (let at = 0; at < pieces.length; at += 4) {
+      path.moveTo(pieces[at], 1 - pieces[at + 1]);
+      path.lineTo(pieces[at + 2], 1 - pieces[at + 3]);
+    }
+  }
+  return path;
+});
+
 /**
  * Return where three maps and their color bar lie, as in the served page: side by side, or in two
  * rows where that is too narrow. Axes end at ±`edge` [mm], whose digits need room; `em` is the size
@@ -154,8 +166,8 @@ const drawCircle = (draw, x, y, radius, width, dash = []) => {
   draw.setLineDash([]);
 };
 
-/** Draw the inside of a map: cells, hatched where there are none, the singular circle and marks. */
-const drawMap = (draw, { em, side }, { left, top }, cells, { extent, singular, pose, pointed }, colors) => {
+/** Draw the inside of a map: cells, hatched where there are none, contours, the circle and marks. */
+const drawMap = (draw, { em, side }, { left, top }, { cells, lines }, { extent, singular, pose, pointed }, colors) => {
   draw.save();
   draw.beginPath();
   draw.rect(left, top, side, side);
@@ -173,6 +185,13 @@ const drawMap = (draw, { em, side }, { left, top }, cells, { extent, singular, p
   draw.stroke();
   draw.imageSmoothingEnabled = false;
   draw.drawImage(cells, 0, 0, side, side);
+  draw.strokeStyle = PAGE.ink;
+  lines.forEach((line, index) => {
+    const path = new Path2D();
+    path.addPath(line, new DOMMatrix([side, 0, 0, side, 0, 0]));
+    draw.lineWidth = [0.1, 0.05][index] * em;
+    draw.stroke(path);
+  });
   const at = ([x, y]) => [side * (0.5 + 0.5 * x / extent), side * (0.5 - 0.5 * y / extent)];
   if (singular > 0)
     drawCircle(draw, side / 2, side / 2, 0.5 * side * singular / extent, 0.11 * em, [0.42 * em, 0.31 * em]);
@@ -187,8 +206,8 @@ const drawMap = (draw, { em, side }, { left, top }, cells, { extent, singular, p
 };
 
 /**
- * Draw the maps with axes and color bar. `maps` has the cells of each on a canvas, its name and
- * its color; `shown` what they have in common: the torque `limit` that ends the colors [N m], half
+ * Draw the maps with axes and color bar. `maps` has the cells of each on a canvas, its contour
+ * lines, its name and its color; `shown` what they have in common: the torque `limit` that ends the colors [N m], half
  * of a map's side `extent`, the radius of the `singular` circle, the `pose` and the `pointed`
  * place, which may be null [m].
  */
@@ -196,11 +215,11 @@ const drawMaps = (draw, layout, maps, shown) => {
   const { em, side, panels } = layout;
   const colors = Object.fromEntries(["ink", "soft_ink", "reachless", "hatch"].map((name) => [name, colorOf(name)]));
   draw.font = `bold ${1.15 * em}px system-ui, sans-serif`;
-  maps.forEach(({ cells, name, color }, index) => {
+  maps.forEach((map, index) => {
     const { left, top } = panels[index];
-    drawMap(draw, layout, panels[index], cells, shown, colors);
-    draw.fillStyle = colorOf(color);
-    letter(draw, name, left + side / 2, top - 0.5 * em, "center");
+    drawMap(draw, layout, panels[index], map, shown, colors);
+    draw.fillStyle = colorOf(map.color);
+    letter(draw, map.name, left + side / 2, top - 0.5 * em, "center");
   });
   draw.font = `${em}px system-ui, sans-serif`; // once: a font takes longer than a map
   draw.strokeStyle = colors.ink;

@@ -10,26 +10,28 @@ const drawCurves = (canvas, curves, times, now, unit) => {
   const all = curves.flatMap(([, , values]) => values).filter(Number.isFinite);
   const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)];
   const room = (high - low || 1) * 0.06;
+  const duration = times[times.length - 1];
   const [left, top, right, bottom] = [44, 20, width - 6, height - 18];
-  const across = (time) => left + (right - left) * time / times[times.length - 1];
+  const across = (time) => left + (right - left) * time / duration;
   const up = (value) => bottom - (bottom - top) * (value - low + room) / (high - low + 2 * room);
   draw.font = "11px system-ui, sans-serif";
-  draw.fillStyle = draw.strokeStyle = colorOf("muted");
   draw.lineWidth = 1;
-  const step = [1, 2, 5, 10].map((part) => part * 10 ** Math.floor(Math.log10((high - low || 1) / 3)))
-    .find((part) => (high - low || 1) / part <= 5);
-  draw.textAlign = "right";
-  for (let tick = Math.ceil(low / step); tick * step <= high; tick++) {
+  draw.fillStyle = colorOf("muted");
+  for (const tick of multiples(low, high, roundFrom((high - low || 1) / 5, [1, 2, 5]))) {
     draw.strokeStyle = colorOf(tick ? "faint" : "muted");
     draw.beginPath();
-    draw.moveTo(left, up(tick * step));
-    draw.lineTo(right, up(tick * step));
+    draw.moveTo(left, up(tick));
+    draw.lineTo(right, up(tick));
     draw.stroke();
-    draw.fillText(roundText(tick * step), left - 4, up(tick * step) + 4);
+    letter(draw, roundText(tick), left - 4, up(tick) + 4, "right");
   }
-  draw.fillText(`${times[times.length - 1].toFixed(2)} s`, right, height - 5);
+  for (const tick of multiples(0, 0.85 * duration, roundFrom(duration / 6, [1, 2, 2.5, 5]))) {
+    draw.fillRect(across(tick) - 0.5, bottom, 1, 3);
+    letter(draw, roundText(tick), across(tick), height - 4, "center");
+  }
+  letter(draw, "t [s]", right, height - 4, "right");
+  letter(draw, `[${unit}]`, left - 4, 12, "right");
   draw.textAlign = "left";
-  draw.fillText(`0 s, ${unit}`, left, height - 5);
   let place = left;
   for (const [name, color, values] of curves) {
     draw.strokeStyle = draw.fillStyle = colorOf(color);

@@ -311,8 +311,8 @@ CIRCLE = """(ground) => {
   const draw = canvas.getContext("2d");
   const shown = { extent: 1, singular: 0.8, pose: [0, 0], pointed: null };
   const colors = { reachless: ground, hatch: ground };
-  const cells = canvasOf(new ImageData(2, 2));
-  drawMap(draw, { em: 14, side: 200 }, { left: 0, top: 0 }, cells, shown, colors);
+  const map = { cells: canvasOf(new ImageData(2, 2)), lines: [] };
+  drawMap(draw, { em: 14, side: 200 }, { left: 0, top: 0 }, map, shown, colors);
   const found = [];
   for (let angle = 0; angle < 6.2; angle += 0.01) {
     const place = [100 + 80 * Math.cos(angle), 100 + 80 * Math.sin(angle)].map(Math.floor);
