@@ -267,16 +267,18 @@ def numbers_html(
     peaks = {chart.unit: 0.0 for chart in drawn}
     for chart, trace in _rows(drawn):
         peaks[chart.unit] = max(peaks[chart.unit], np.nan_to_num(abs(read[trace].peak)))
-    rows = []
-    for chart, trace in _rows(drawn):
+
+    def row(chart: Chart, trace: Trace) -> tuple[Trace, tuple[str, ...], None]:
         peak, peak_t, mean = read[trace]
         at = f"{peak_t:.3f} s" if math.isfinite(peak_t) else NONE
         now, most, usual = (
             _value(one, peaks[chart.unit]) for one in (chart.value_at(trace, time), peak, mean)
         )
-        rows.append((trace, (now, most, at, usual, chart.unit), None))
+        return trace, (now, most, at, usual, chart.unit), None
+
+    groups = [(title, [row(*each) for each in rows]) for title, rows in _groups(drawn)]
     heads = (f"At {time:.3f} s", largest, "At", "RMS", "")
-    return render("motion/numbers.j2", heads=heads, rows=rows)
+    return render("motion/numbers.j2", heads=heads, groups=groups)
 
 
 def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float) -> str:
@@ -303,13 +305,23 @@ def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float)
         )
         rows.append((trace, cells, share <= check.tolerance))
     heads = (f"At {time:.3f} s", "Largest", "RMS", "", "Relative", "")
-    return render("motion/numbers.j2", heads=heads, rows=rows)
+    return render("motion/numbers.j2", heads=heads, groups=[("", rows)] if rows else [])
 
 
 def _rows(drawn: tuple[Chart, ...]) -> list[tuple[Chart, Trace]]:
     """Return the curves in the order of their rows: the design's of all charts before others."""
     rows = [(chart, trace) for chart in drawn for trace in chart.traces if not trace.marks]
     return sorted(rows, key=lambda row: trace_order(row[1]))
+
+
+def _groups(drawn: tuple[Chart, ...]) -> list[tuple[str, list[tuple[Chart, Trace]]]]:
+    """Return the rows below the titles of their charts, where charts share names of curves; else
+    all without a title."""
+    rows = _rows(drawn)
+    if len({trace.label for _, trace in rows}) == len(rows):
+        return [("", rows)] if rows else []
+    titles = {chart: chart.title.partition(" [")[0] for chart in drawn}
+    return [(title, [row for row in rows if row[0] is chart]) for chart, title in titles.items()]
 
 
 def _value(value: float, peak: float = 0.0) -> str:

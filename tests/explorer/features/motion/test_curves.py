@@ -68,6 +68,24 @@ def test_numbers_of_a_unit_have_as_many_decimals_as_its_largest(state: State) ->
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("plot", "titles"),
+    [("torques", []), ("loads", ["Force at joint 2", "Largest bending moment"])],
+)
+def test_curves_of_one_name_stand_below_the_titles_of_their_charts(
+    plot: SeriesKind, titles: list[str], state: State
+) -> None:
+    state = replace(state, plots=PlotView(plot))
+    drawn = drawn_charts(state, analyzed(state))
+    read = {trace: statistics(chart.t, trace) for chart in drawn for trace in chart.traces}
+    text = plots.numbers_html(drawn, read, 0.0)
+    assert re.findall(r'<tr class="pv-group"><td colspan="6">([^<]*)', text) == titles
+    groups = [re.findall(r"([^<>]+)</td>\n<td><b>", part) for part in text.split("pv-group")]
+    assert sum(map(len, groups)) == len(read)
+    assert [len(set(names)) for names in groups] == [len(names) for names in groups]
+
+
+@pytest.mark.slow
 def test_caption_says_that_a_motion_is_refused_whose_curves_are_drawn_all_the_same() -> None:
     state = motions.choose_kind(initial_state(), Kind.LINE)
     weak = MotionLimits(torque=0.1)  # less than it takes at rest
