@@ -91,7 +91,7 @@ def _resets(names: tuple[str, ...], state: State) -> dict[str, Effect]:
     paths = tuple(f"elastic.{name}" for name in names)
     if not any(is_changed(state.document.design, path) for path in paths):
         return {}
-    return {"defaults": partial(actions.reset_values, paths=paths)}
+    return {"Default": partial(actions.reset_values, paths=paths)}
 
 
 def _folder(title: str, names: tuple[str, ...], *, opened: bool) -> Folder:

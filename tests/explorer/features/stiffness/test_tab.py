@@ -119,8 +119,8 @@ def test_a_tube_without_a_wall_is_refused() -> None:
     changed = panel.elastic_slider("b4_outer").apply(initial_state(), 0.05)
     assert changed.document.design.elastic.b4_outer == 0.05
     names = ("b4_outer", "b4_inner")
-    assert set(panel._resets(names, changed)) == {"defaults"}
-    reset: Any = panel._resets(names, changed)["defaults"]
+    assert set(panel._resets(names, changed)) == {"Default"}
+    reset: Any = panel._resets(names, changed)["Default"]
     assert reset(changed).document.design == APPENDIX_4
 
 
