@@ -164,7 +164,7 @@ def _read(content: bytes, name: str, case: SynthesisCase) -> tuple[RegimeState, 
         states = tuple(_state(item, case) for item in data["states"])
         if len({state.regime for state in states}) < len(states):
             raise ValueError("a regime twice")
-    except (KeyError, TypeError, ValueError) as error:  # msgspec's is a ValueError
+    except (KeyError, TypeError, ValueError, msgspec.ValidationError) as error:
         raise FileError(name, "is no checkpoint of a search, or is damaged") from error
     return states
 
