@@ -332,7 +332,7 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
     try:
         # Opened once: what is read of a pipe is gone.
         file = open(path, "rb")  # noqa: SIM115  the caller closes it
-        begin = file.peek(4)[:4]
+        begin = file.peek(1)
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
     lines = io.TextIOWrapper(file, encoding="utf-8-sig", errors="surrogateescape", newline="")
@@ -363,7 +363,8 @@ def uploaded_table(name: str, content: bytes) -> TextIO:
 
 def other_file(begin: bytes) -> str:
     """Return what a file is that begins with some bytes, if it is no text; empty if it may be."""
-    return next((kind for mark, kind in _OTHER_FILES.items() if begin.startswith(mark)), "")
+    known = (kind for mark, kind in _OTHER_FILES.items() if begin.startswith(mark))
+    return next(known, "is not a text file (UTF-8)" if b"\0" in begin else "")
 
 
 def _is_blank(record: list[str]) -> bool:

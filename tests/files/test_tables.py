@@ -204,7 +204,8 @@ def test_a_header_alone_has_no_rows() -> None:
         (HEAD.encode() + b'\n0,0,"1,0,5",0\n', 2, "'1,0,5' is not a number$"),
         (HEAD.encode() + b"\n0,0,\x80,0\n", 2, "is not a number"),
         (b"\x80x_m,y_m,theta_rad,z_m", 1, "did you mean x_m"),
-        (b"\x7fELF\0\0", 1, "there is no such column"),
+        (b"\x7fELF\0\0", None, "is not a text file"),
+        (b"\x7fELF", 1, "there is no such column"),
     ],
 )
 def test_bytes_that_are_no_utf8_are_refused(tmp_path, data, row, words) -> None:
