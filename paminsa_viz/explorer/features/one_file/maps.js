@@ -5,7 +5,6 @@ const WHERE_SLOW = 41; // the same where that takes long, and of a pinned design
 const SLOW = 30; // time of three maps from which they are made coarser while moved [ms]
 const LETTERS = 11; // their size [px]
 const SHARE = 0.27; // largest side of a map, of the window's height
-const PAPER = 700; // width on paper [px]
 const DRAGGED = 6; // from here on a finger drags the robot [px]
 const MAP_COLORS = ["m1", "m2", "m3"];
 

@@ -299,7 +299,7 @@
     buttons.Pin.textContent = doc.reference ? "Unpin" : "Pin";
     buttons["Balance by m₇"].disabled = !(balancedMass(robot, doc) >= 0);
     writeNumbers(robot, doc, solved);
-    playback.draw();
+    playback.draw(onPaper);
     const { pictures, radius, singular } = maps.draw(solved.torques, moving, onPaper);
     const chosen = find("floor").value;
     if (shown)

@@ -4,6 +4,8 @@ const colorOf = (name) => getComputedStyle(document.documentElement).getProperty
 // Pictures that are filled cell by cell are quicker where the processor has them.
 const IN_MEMORY = { willReadFrequently: true };
 
+const PAPER = 700; // width on paper [px]
+
 /** Return a canvas's context and its size in page pixels, as sharp as the screen or sharper. */
 const contextOf = (canvas, width = canvas.clientWidth, height = canvas.clientHeight, least = 1) => {
   const ratio = Math.max(window.devicePixelRatio || 1, least);

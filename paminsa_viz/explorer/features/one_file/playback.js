@@ -4,9 +4,9 @@ const [SHORTEST, LONGEST] = [0.05, 60]; // durations that can be asked for [s]
 const CURVES = { all: "τ₁, τ₂, τ₃", 3: "F₄ by cause", 0: "τ₁ by cause", 1: "τ₂ by cause", 2: "τ₃ by cause" };
 const CAUSE_COLORS = { gravity: "m1", inertial: "m2", velocity: "m3", friction: "m4", load: "muted", total: "ink" };
 
-/** Draw curves over time: [name, color, values] each; `now` is an instant. */
-const drawCurves = (canvas, curves, times, now, unit) => {
-  const { context: draw, width, height } = contextOf(canvas);
+/** Draw curves over time: [name, color, values] each; `now` is an instant, `paper` what it is for. */
+const drawCurves = (canvas, curves, times, now, unit, paper) => {
+  const { context: draw, width, height } = paper ? contextOf(canvas, PAPER, PAPER / 4, 3) : contextOf(canvas);
   const all = curves.flatMap(([, , values]) => values).filter(Number.isFinite);
   const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)];
   const room = (high - low || 1) * 0.06;
@@ -156,7 +156,7 @@ const createPlayback = ({ current, request, move, release, say }) => {
     request();
   });
 
-  const draw = () => {
+  const draw = (paper) => {
     prepare();
     if (!motion) return;
     if (document.activeElement !== find("time") || started) find("time").value = time / motion.duration;
@@ -167,7 +167,7 @@ const createPlayback = ({ current, request, move, release, say }) => {
       : [...CAUSES, "total"].map((cause) =>
         [cause, CAUSE_COLORS[cause], motion.parts.map((each) => each[cause][Number(chosen)])])
         .filter(([cause, , values]) => cause === "total" || values.some((value) => value !== 0));
-    drawCurves(find("chart"), curves, motion.times, time, chosen === "3" ? "N" : "N·m");
+    drawCurves(find("chart"), curves, motion.times, time, chosen === "3" ? "N" : "N·m", paper);
     const largest = [0, 1, 2].map((index) =>
       Math.max(...motion.parts.map((each) => Math.abs(each.total[index])).filter(Number.isFinite)));
     find("chart").setAttribute("aria-label",

@@ -203,20 +203,32 @@ def test_keys_and_fingers_read_a_map_and_go_there(opened: Opened) -> None:
     page.set_viewport_size(window)
 
 
-def test_paper_is_light_and_its_maps_sharp(opened: Opened) -> None:
+def test_paper_is_light_and_its_pictures_sharp(opened: Opened) -> None:
     opened.open(share_code(START))
     page = opened.page
     page.get_by_role("button", name="Light / dark").click()
+    page.get_by_label("Preset").select_option(index=1)
+    seen = page.locator("#chart").evaluate("({width, height}) => [width, height]")
     found = page.evaluate("""() => {
-      const state = () => [document.documentElement.className, find("map").width];
+      const sizes = () => ["map", "chart"].flatMap((id) => [find(id).width, find(id).height]);
+      const state = () => [document.documentElement.className, ...sizes()];
       const box = JSON.stringify(find("robot").getBoundingClientRect());
       window.dispatchEvent(new Event("beforeprint"));
       const paper = [...state(), JSON.stringify(find("robot").getBoundingClientRect()) === box];
       window.dispatchEvent(new Event("afterprint"));
       return [paper, state()];
     }""")
-    assert found[0] == ["", 2100, True], "WebGL prints nothing once its canvas has another size"
-    assert found[1][0] == "dark"
+    theme, width, _, *chart, is_as_large = found[0]
+    assert (theme, width, *chart) == ("", 2100, 2100, 525)
+    assert is_as_large, "WebGL prints nothing once its canvas has another size"
+    assert (found[1][0], *found[1][3:]) == ("dark", *seen)
+    page.emulate_media(media="print")
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    box = page.locator("#chart").bounding_box()
+    assert box["width"] == pytest.approx(4 * box["height"], rel=0.01), "letters keep their shape"
+    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen")
+    page.get_by_label("Preset").select_option(index=0)
     page.get_by_role("button", name="Light / dark").click()
 
 
