@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import viser
+
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core import motion as motions
 from paminsa_viz.explorer.core.actions import Action
@@ -46,6 +48,7 @@ class Command:
         hotkey, modifier: Its keys, if it has any.
         undo: Whether it can be undone.
         words: What else it is found by; the palette shows them beside it.
+        name: Typed alone, or begun, it makes the command the palette's first line; empty for none.
     """
 
     key: str
@@ -55,6 +58,7 @@ class Command:
     modifier: str | None = None
     undo: bool = True
     words: str = ""
+    name: str = ""
 
 
 def open_effect(name: str) -> Run:
@@ -148,13 +152,16 @@ def commands() -> tuple[Command, ...]:
 
 def register_commands(session: Session, more: Sequence[Command]) -> None:
     """Put the commands on the page, below some more."""
+    named: dict[str, viser.CommandHandle] = {}
     for command in (*more, *commands()):
         keys: dict[str, Any] = {"hotkey": command.hotkey, "modifier": command.modifier}
         handle = session.client.gui.add_command(
             command.label, description=command.words or None, **keys
         )
         handle.on_trigger(partial(_trigger, session, command))
-    TypedCommand(session)
+        if command.name:
+            named[command.name] = handle
+    TypedCommand(session, named)
 
 
 async def _trigger(session: Session, command: Command, event: Any) -> None:

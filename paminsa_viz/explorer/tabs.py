@@ -307,23 +307,27 @@ def fill(session: Session, path: str) -> Panel:
 
 
 def places_to_go() -> list[Command]:
-    """Return the commands that open workspaces and sections."""
+    """Return the commands that open workspaces, sections and the tabs of the left dock."""
     from paminsa_viz.explorer.commands import Command, open_effect
 
     found = [
         Command(
             f"open.{one.name}", f"Workspace: {one.name}", open_effect(one.name), str(number),
-            "cmd/ctrl", words=one.question,
+            "cmd/ctrl", words=one.question, name=one.name,
         )
         for number, one in enumerate(WORKSPACES, start=1)
     ]  # fmt: skip
     found += [
         Command(
             f"open.{path}", f"Open: {section.name} ({path.partition('/')[0]})",
-            open_effect(section.name), words=section.words,
+            open_effect(section.name), words=section.words, name=section.name,
         )
         for path, section in sections().items()
     ]  # fmt: skip
+    found += [
+        Command(f"open.{tab}", f"Open: {tab}", open_effect(tab), words=words, name=tab)
+        for tab, words in BESIDE.items()
+    ]
     return found
 
 

@@ -2,17 +2,20 @@
 
 ``m7 3.063`` sets a number of the design, ``x 50 mm`` moves the robot, ``map stiffness z`` shows a
 map, ``pin clearance`` and ``pin m7`` put a number into the strip or take it off. One command of
-the palette says what the text would do, and does it.
+the palette says what the text would do, and does it. The name of a section, or its beginning, makes
+the command that opens it the first one.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
+
+import viser
 
 from paminsa_viz.explorer.core import actions
 from paminsa_viz.explorer.core.maps import choose_quantity
@@ -26,6 +29,9 @@ from paminsa_viz.model import PARAMETERS
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.units import TYPED_UNITS, DisplayUnit, display_unit, symbol_text
+
+SHORTEST = 3
+"""Letters from which on a name is known by its beginning."""
 
 LONGEST = 100
 """Characters that are read of a text."""
@@ -186,13 +192,30 @@ def meaning(text: str) -> Typed | None:
     return (does and name and does(name)) or _value(plain)
 
 
-class TypedCommand:
-    """The command of the palette that follows what is typed into it."""
+def named(text: str, names: Iterable[str]) -> str | None:
+    """Return the name that a text is, or the only one that it begins, or None."""
+    plain = text.strip().casefold()
+    begun = [name for name in names if name.casefold().startswith(plain)]
+    exact = [name for name in begun if len(name) == len(plain)]
+    found = exact or begun
+    return found[0] if len(plain) >= SHORTEST and len(found) == 1 else None
 
-    def __init__(self, session: Session) -> None:
+
+class TypedCommand:
+    """The command of the palette that follows what is typed into it.
+
+    Args:
+        session: The tab of the browser.
+        names: Other commands by their names: the one that is named becomes the first line.
+    """
+
+    def __init__(self, session: Session, names: Mapping[str, viser.CommandHandle]) -> None:
         self._session, self._text = session, ""
         self._handle = session.client.gui.add_command(HELP, description=EXAMPLES)
         self._handle.on_trigger(self._trigger)
+        self._names = names
+        self._words = {name: handle.description for name, handle in names.items()}
+        self._named: str | None = None
         session.bridge.on("typed", self._hear)
 
     def _hear(self, data: Any) -> None:
@@ -204,7 +227,15 @@ class TypedCommand:
         label, description = (HELP, EXAMPLES) if found is None else (found.label, data.strip())
         if self._handle.label != label or self._handle.description != description:
             self._handle.label, self._handle.description = label, description
-        self._session.bridge.call("answerTyped", data, "" if found is None else label)
+        first = "" if found is None else label
+        name = None if found is not None else named(data, self._names)
+        if self._named not in (None, name):
+            self._names[self._named].description = self._words[self._named]
+        if name is not None:
+            first = self._names[name].label
+            self._names[name].description = data.strip()
+        self._named = name
+        self._session.bridge.call("answerTyped", data, first)
 
     async def _trigger(self, event: Any) -> None:
         # By the newest text: what the palette shows may be a key press behind.

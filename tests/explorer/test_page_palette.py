@@ -54,6 +54,25 @@ def test_palette_finds_sections_and_quantities_by_other_words(tab: Tab) -> None:
     assert tab.state.map_view.quantity == "stiffness_z"
 
 
+def test_name_of_a_section_leads_to_it_and_is_forgotten(tab: Tab) -> None:
+    box = tab.page.get_by_placeholder("Search commands", exact=False)
+    lines = tab.page.locator(".mantine-Spotlight-action")
+    for text, section in (("stiff", "Stiffness"), ("drives", "Drives"), ("single", "Single map")):
+        tab.page.keyboard.press("Control+k")
+        box.fill(text)
+        line = lines.first
+        until(lambda n=section, at=line: f"Open: {n}" in at.inner_text(), "the first line")
+        box.press("Enter")
+        opened = tab.page.get_by_role("tab", name=section, exact=True)
+        until(lambda at=opened: at.get_attribute("aria-selected") == "true", f"{section} is open")
+        box.wait_for(state="detached")
+    tab.page.keyboard.press("Control+k")
+    box.fill("vibration")
+    until(lambda: "compliance, vibration" in lines.first.inner_text(), "it has its own words again")
+    box.press("Escape")
+    box.wait_for(state="detached")
+
+
 def test_keys_typed_before_the_palette_has_its_box_go_into_it(tab: Tab) -> None:
     """Elsewhere they are keys of commands: h is the home pose."""
     tab.type_number("x  [mm]", 33.5)

@@ -10,7 +10,8 @@ import pytest
 from paminsa_viz.explorer.kit.entries import Then
 from paminsa_viz.explorer.state.pins import IMBALANCE
 from paminsa_viz.explorer.state.state import State, initial_state
-from paminsa_viz.explorer.typed import meaning
+from paminsa_viz.explorer.tabs import places_to_go
+from paminsa_viz.explorer.typed import meaning, named
 from paminsa_viz.model import PARAMETERS, InvalidInput
 
 
@@ -128,3 +129,31 @@ def test_a_search_means_nothing_else(text: str) -> None:
 def test_an_impossible_value_is_refused_by_the_name_typed() -> None:
     with pytest.raises(InvalidInput, match="m₇"):
         done("m7 -1")
+
+
+NAMES = [command.name for command in places_to_go()]
+
+
+def test_every_place_is_named_by_its_name_in_any_case() -> None:
+    assert len(NAMES) == len(set(NAMES)) == 25
+    for name in NAMES:
+        assert named(name, NAMES) == named(f" {name.upper()}", NAMES) == name
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("stiff", "Stiffness"),
+        ("load", "Load"),
+        ("loads", "Loads"),
+        ("torque", "Torque maps"),
+        ("error", "Errors"),
+        ("mo", None),  # too short
+        ("mot", None),  # of Motion and Motion plots
+        ("motor", None),
+        ("stiffness z", None),
+        ("", None),
+    ],
+)
+def test_a_place_is_named_by_the_beginning_of_its_name_alone(text: str, name: str | None) -> None:
+    assert named(text, NAMES) == name

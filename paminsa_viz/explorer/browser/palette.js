@@ -37,15 +37,17 @@ window.paminsaPalette = (config) => {
       return true;
     }, 20);
   };
+  const ask = (text) => {
+    typed.asked = text;
+    typed.enter = false;
+    typed.answered = send("typed", text) ? null : text;
+  };
   const onSearch = (event) => {
     if (!event.target.matches?.(search)) return;
     if (event.type === "keydown" && opens(event)) reopen(event);
     else if (event.key === "Escape") leftAt = performance.now();
-    if (event.type === "input") {
-      typed.asked = event.target.value.slice(0, 200);
-      typed.enter = false;
-      typed.answered = send("typed", typed.asked) ? null : typed.asked;
-    } else if (event.key === "Enter" && typed.asked !== typed.answered) {
+    if (event.type === "input") ask(event.target.value.slice(0, 200));
+    else if (event.key === "Enter" && typed.asked !== typed.answered) {
       typed.enter = true;
       event.preventDefault();
       event.stopPropagation();
@@ -90,6 +92,7 @@ window.paminsaPalette = (config) => {
   // Mantine has taken the key at the root: the palette opens, or closes again before it is there.
   document.addEventListener("keydown", (event) => {
     if (!opens(event) || !event.defaultPrevented || event.target.matches?.(search)) return;
+    ask(""); // lines have their own words again
     const until = performance.now() + OPENING_TIME;
     const mine = early ? null : { text: "", enter: false };
     early = mine;

@@ -13,8 +13,13 @@ from paminsa_viz.explorer.state.view import LARGEST_DOCK, Dock, Docks
 ANSWER_TAB: Final = "Answer"
 """Name of the tab of the left dock that holds answers."""
 
-BESIDE: Final = ("Torque maps", "Single map", "Motion plots", ANSWER_TAB)
-"""Tabs of the left dock."""
+BESIDE: Final = {
+    "Torque maps": "M1 to M3 over the workspace, as the paper’s Fig. 3",
+    "Single map": "any quantity over the workspace, color range",
+    "Motion plots": "curves over time: torques, power, energy, joint forces",
+    ANSWER_TAB: "results and tables of what was asked",
+}
+"""Tabs of the left dock, and words to find them by."""
 
 EDGE: Final = 4
 """Width of the edge that a dock is dragged by; it counts to what the dock covers [px]."""
