@@ -149,7 +149,7 @@ def test_every_place_is_named_by_its_name_in_any_case() -> None:
         ("torque", "Torque maps"),
         ("error", "Errors"),
         ("mo", None),  # too short
-        ("mot", None),  # of Motion and Motion plots
+        ("moti", None),  # of Motion and Motion plots
         ("motor", None),
         ("stiffness z", None),
         ("", None),
