@@ -141,8 +141,7 @@ Made by `python -m benchmarks.goals`; the figures are those of one run.
 
 {made}, {os.cpu_count()} cores. The browser is headless, {SIZE[0]}×{SIZE[1]}, and draws in software.
 A bare page is one of viser with a slider and a box; below zero the explorer was quicker than it.
-{note}
-
+{note + chr(10) if note else ""}
 | what | goal | measured | met |
 |---|---|---|---|
 {chr(10).join(map(str, rows))}
