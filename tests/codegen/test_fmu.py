@@ -173,6 +173,24 @@ def test_a_saved_state_is_gone_on_with_to_the_last_bit(tmp_path: Path) -> None:
             put(slave, x=0.1)  # an output
 
 
+@pytest.mark.slow
+def test_only_the_status_that_there_is_is_told(tmp_path: Path) -> None:
+    done, pending, reached, ended = range(4)  # fmi2StatusKind
+    with running(written(tmp_path, APPENDIX_4, "plant"), tmp_path) as slave:
+        slave.doStep(0.0, 0.25)
+        assert slave.getRealStatus(reached) == 0.25
+        assert slave.getBooleanStatus(ended) is False
+        for ask, kind in (
+            (slave.getStatus, done), (slave.getRealStatus, ended), (slave.getIntegerStatus, done),
+            (slave.getBooleanStatus, reached), (slave.getStringStatus, pending),
+        ):  # fmt: skip
+            with pytest.raises(FMICallException) as caught:
+                ask(kind)
+            assert caught.value.status == 2  # fmi2Discard: the simulation may go on
+        slave.doStep(0.25, 0.25)
+        assert slave.getRealStatus(reached) == 0.5
+
+
 RESUMED = """
 #include <stdio.h>
 #include <stdlib.h>

@@ -49,17 +49,23 @@ typedef struct {
     char guid[sizeof GUID];
     char name[64];    /* what stands before it is the state */
     const fmi2CallbackFunctions *callbacks;
+    fmi2Boolean is_debugged;
 } Instance;
 
 static const double start_values[FIRST_OUTPUT] = START;
 
-static fmi2Status failed(Instance *instance, const char *message)
+static fmi2Status said(Instance *instance, fmi2Status status, const char *message)
 {
     const fmi2CallbackFunctions *c = instance->callbacks;
 
-    if (c->logger != NULL)
-        c->logger(c->componentEnvironment, instance->name, fmi2Error, "error", "%s", message);
-    return fmi2Error;
+    if (c->logger != NULL && (instance->is_debugged || status == fmi2Error))
+        c->logger(c->componentEnvironment, instance->name, status, "error", "%s", message);
+    return status;
+}
+
+static fmi2Status failed(Instance *instance, const char *message)
+{
+    return said(instance, fmi2Error, message);
 }
 
 static fmi2Status outcome(Instance *instance, const char *message)
@@ -102,10 +108,9 @@ FMU_EXPORT const char *fmi2GetVersion(void)
 FMU_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
     const fmi2String categories[])
 {
-    (void)c;
-    (void)on;
     (void)count;
     (void)categories;
+    ((Instance *)c)->is_debugged = on;
     return fmi2OK;
 }
 
@@ -114,7 +119,6 @@ FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2Str
 {
     (void)place;
     (void)visible;
-    (void)on;
     if (callbacks == NULL || callbacks->allocateMemory == NULL || callbacks->freeMemory == NULL)
         return NULL;
     if (type != fmi2CoSimulation || guid == NULL || strcmp(guid, GUID) != 0)
@@ -126,6 +130,7 @@ FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2Str
     memcpy(instance->guid, GUID, sizeof GUID);
     strncpy(instance->name, name == NULL ? "" : name, sizeof instance->name - 1);
     instance->callbacks = callbacks;
+    instance->is_debugged = on;
     set_to_start(instance);
     return instance;
 }
@@ -384,17 +389,23 @@ FMU_EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
     return failed(c, "no step is under way");
 }
 
+/* No step waits, so there is no status to tell but the time and whether the end is reached. */
+static fmi2Status not_known(fmi2Component c)
+{
+    return said(c, fmi2Discard, "no step is under way");
+}
+
 FMU_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status *value)
 {
     (void)kind;
     (void)value;
-    return failed(c, "no step is under way");
+    return not_known(c);
 }
 
 FMU_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value)
 {
     if (kind != fmi2LastSuccessfulTime)
-        return failed(c, "no step is under way");
+        return not_known(c);
     *value = ((Instance *)c)->model.time;
     return fmi2OK;
 }
@@ -404,15 +415,15 @@ FMU_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, fmi2StatusKind kind,
 {
     (void)kind;
     (void)value;
-    return failed(c, "no step is under way");
+    return not_known(c);
 }
 
 FMU_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind,
     fmi2Boolean *value)
 {
-    (void)kind;
+    if (kind != fmi2Terminated)
+        return not_known(c);
     *value = 0;
-    (void)c;
     return fmi2OK;
 }
 
@@ -420,5 +431,5 @@ FMU_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind kind, 
 {
     (void)kind;
     (void)value;
-    return failed(c, "no step is under way");
+    return not_known(c);
 }

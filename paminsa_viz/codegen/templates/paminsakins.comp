@@ -20,6 +20,10 @@ In the INI file:
     LINEAR_UNITS = mm
     ANGULAR_UNITS = degree
 
+JOINT_0 to JOINT_2 are of TYPE = ANGULAR, JOINT_3 is LINEAR; their limits, speeds and scales are the
+machine's. X, Y, Z and C can be commanded once all four are homed: HOME_OFFSET is where a joint is,
+by the conventions of README.md, when its home switch closes.
+
 For a machine in inches set UNITS_PER_METER below. Forward kinematics has up to two solutions; it
 takes the one nearest to the position that LinuxCNC had before. Where a pose cannot be reached, or
 joints have no pose, the functions fail and LinuxCNC stops the motion.
