@@ -149,7 +149,7 @@ class InfeasibleBounds(PaminsaError):
     Attributes:
         limits: What cannot be met, and the least values instead.
         relax: The bounds whose least movement, added up over the robot, makes it possible; empty if
-            none does.
+            none does that `WIDER` looks at.
     """
 
     def __init__(self, limits: tuple[Shortfall, ...], relax: tuple[Relaxation, ...]) -> None:
@@ -165,7 +165,8 @@ class InfeasibleBounds(PaminsaError):
         """
         short = [item.text(name(item.label)) for item in self.limits]
         moves = [item.text(name(item.name)) for item in self.relax]
-        return [*short, *(moves or ["no other bounds would help: let other masses change"])]
+        none = f"bounds {WIDER:g} kg wider would not help: let other masses change"
+        return [*short, *(moves or [none])]
 
 
 @of_design

@@ -134,7 +134,7 @@ def test_what_does_not_fit_is_said_with_what_would() -> None:
         "lower the lower bound of B from 0.5 kg to 0.25 kg",
     ]
     alone = InfeasibleBounds((short,), ())
-    assert alone.sentences()[1:] == ["no other bounds would help: let other masses change"]
+    assert alone.sentences()[1:] == ["bounds 100 kg wider would not help: let other masses change"]
     assert str(alone).startswith("the bounds do not allow it: peak of at most")
 
 
