@@ -51,6 +51,17 @@ def test_another_motion_is_predicted_almost_as_well_as_its_own_fit(
 
 
 @pytest.mark.slow
+def test_logs_without_noise_validate_however_much_better_the_own_fit_is() -> None:
+    found = validate(
+        identify(APPENDIX_4, simulated(1, DESIGN, noise_seed=None), QUICK),
+        simulated(4, DESIGN, noise_seed=None),
+    )
+    assert found.ratio.max() > 1.1
+    assert found.holds
+    assert not replace(found, residual=100 * found.residual).holds
+
+
+@pytest.mark.slow
 def test_another_robot_is_not_validated(identified: Any) -> None:
     heavier = DESIGN.vary({"links.b4": 0.8})
     assert not validate(identified, simulated(2, heavier)).holds
@@ -160,10 +171,14 @@ def test_a_log_is_predicted_as_by_its_own_identification() -> None:
 
 
 def test_a_validation_holds_if_each_actuator_is_predicted_within_a_tenth() -> None:
-    for residual, holds in (
-        ((1.1, 2.2, 0.5, 1.0), True), ((1.0, 2.21, 1.0, 1.0), False), ((2.0, 3.0, 2.0, 2.0), False),
+    for residual, torque, holds in (
+        ((1.1, 2.2, 0.5, 1.0), 9.0, True), ((1.0, 2.21, 1.0, 1.0), 9.0, False),
+        ((2.0, 3.0, 2.0, 2.0), 9.0, False), ((2.0, 2.21, 2.0, 2.0), 2.2e4, False),
+        ((2.0, 2.21, 2.0, 2.0), 2.22e4, True),
     ):  # fmt: skip
-        found = Validation(None, None, None, np.array(residual), np.array([1.0, 2.0, 1.0, 1.0]))  # type: ignore[arg-type]
+        signals: Any = SimpleNamespace(torque=np.full((5, 4), torque))
+        own = np.array([1.0, 2.0, 1.0, 1.0])
+        found = Validation(None, signals, None, np.array(residual), own)  # type: ignore[arg-type]
         assert found.holds == holds
 
 

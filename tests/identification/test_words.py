@@ -66,7 +66,7 @@ from paminsa_viz.identification.log import EVEN, FASTEST, LONGEST_STEP, SLOWEST
 from paminsa_viz.identification.log_poses import MOST_CONDITION, SHORTEST_SEGMENT
 from paminsa_viz.identification.nearest import SMALL, SPREAD, UNTOLD
 from paminsa_viz.identification.results import IDENTITY_Z, Estimate, Identification, Identity
-from paminsa_viz.identification.validation import MOST_RATIO
+from paminsa_viz.identification.validation import EXACT, MOST_RATIO
 from tests.identification.test_estimate import random_columns
 from tests.support.documentation import missing
 
@@ -223,7 +223,7 @@ def test_numbers_of_the_documentation_are_those_of_the_program() -> None:
         f"Fewer than {SLOWEST:g} rows a second are refused",
         f"uneven by more than {EVEN:g} of a sample time",
         f"and by more than {LEAST_MOVE:g} of what would make them unknown",
-        f"over that of its own fit, is at most {MOST_RATIO:g}",
+        f"over that of its own fit, is at most {MOST_RATIO:g}, or it is at most {100 * EXACT:g} %",
         f"a step as soft as {COULOMB_SHARE:g} of the largest speed, offsets; noise is "
         f"{NOISE_SHARE:g} of the torques",
         "at more than {:g} rad/s or {:g} m/s".format(*FASTEST),
