@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.clearance import ALL_PAIRS, PairGroup, clearance, group_clearance
+from paminsa_viz.clearance import ALL_PAIRS, PairGroup, group_clearance, nearest_points
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS
 from paminsa_viz.elastostatics.motion_loads import motion_loads
 from paminsa_viz.errors import InvalidInput
@@ -135,21 +135,30 @@ def motion_clearance(
     count = min(motion.size, SAMPLES)
     samples = np.linspace(0, motion.size - 1, count).round().astype(np.intp)
     pose = np.where(analysis.check.ok[:, None], motion.pose, np.nan)
-    first = clearance(analysis.design, pose[samples], chosen).least
-    if np.isfinite(first).any():
-        low = int(np.nanargmin(first))
-        near = samples[[max(low - 1, 0), min(low + 1, count - 1)]]
-        samples = np.union1d(samples, np.arange(near[0], near[1] + 1))
-    found = clearance(analysis.design, pose[samples], chosen)
-    by_group = group_clearance(analysis.design, pose[samples], chosen)
+
+    def least_at(where: NDArray[np.intp]) -> tuple[Values, Values]:
+        by_group = group_clearance(analysis.design, pose[where], chosen)
+        return np.fmin.reduce(by_group, axis=1, initial=np.nan), by_group
+
+    least, by_group = least_at(samples)
+    if not np.isfinite(least).any():
+        return MotionClearance(samples, least, (), by_group[:, :0])
+    low = int(np.nanargmin(least))
+    near = np.arange(samples[max(low - 1, 0)], samples[min(low + 1, count - 1)] + 1)
+    more = np.setdiff1d(near, samples)
+    samples = np.concatenate([samples, more])
+    order = np.argsort(samples)
+    least, by_group = (
+        np.concatenate(both)[order] for both in zip((least, by_group), least_at(more), strict=True)
+    )
+    samples = samples[order]
+    low = int(np.nanargmin(least))
+    lowest = nearest_points(analysis.design, pose[samples[low]], chosen)
+    assert lowest is not None  # it has a clearance
     known = [i for i in range(len(chosen)) if np.isfinite(by_group[:, i]).any()]
-    groups = tuple(chosen[i] for i in known)
-    if not np.isfinite(found.least).any():
-        return MotionClearance(samples, found.least, groups, by_group[:, known])
-    low = int(np.nanargmin(found.least))
     return MotionClearance(
-        samples, found.least, groups, by_group[:, known],
-        float(found.least[low]), float(motion.t[samples[low]]), found.pairs[found.pair[low]],
+        samples, least, tuple(chosen[i] for i in known), by_group[:, known],
+        float(least[low]), float(motion.t[samples[low]]), lowest.names,
     )  # fmt: skip
 
 

@@ -62,7 +62,7 @@ def app() -> Iterator[Any]:
     with pytest.MonkeyPatch.context() as patch:
         # Tests close a page every few seconds; to look through all of the tests' memory for each
         # of them would cost as much as to open it.
-        patch.setattr(memory, "COLLECTION_DELAY", 20.0)
+        patch.setattr(memory, "COLLECTION_DELAY", 120.0)
         running = App(AppOptions(port=0, browser=False), APPENDIX_4)
         yield running
         running.stop()
