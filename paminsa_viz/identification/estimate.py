@@ -78,10 +78,12 @@ def jackknife(without: Array) -> Array:
     return np.asarray(np.sqrt((count - 1) / count * spread))
 
 
-def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArray[np.int64]:
+def block_numbers(
+    t: Array, segment: NDArray[np.int64], length: float, log: str = ""
+) -> NDArray[np.int64]:
     """Return the number of the block that each sample is in, (m,); blocks are equally long.
 
-    What is left over at the end of a segment belongs to its last block.
+    What is left over at the end of a segment belongs to its last block. A refusal names the log.
 
     Raises:
         InvalidLog: If there are fewer than `FEWEST_BLOCKS`.
@@ -104,7 +106,8 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
         left = counted(following, f"block {size} is", f"blocks {size} are")
         raise InvalidLog(
             f"{left} left after filtering, which takes the ends of every piece without gaps; "
-            f"intervals need {FEWEST_BLOCKS}, and 20 s or more are advised, or a higher cut-off"
+            f"intervals need {FEWEST_BLOCKS}, and 20 s or more are advised, or a higher cut-off",
+            log=log,
         )
     return found
 

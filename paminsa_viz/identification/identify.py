@@ -115,7 +115,7 @@ def identify(
     solved = log_poses(design.geometry, log, start)
     signals = filtered(log, design, settings, solved)
     require_motion(signals, log.name)
-    model, blocks, solution, numbers, lag = _fit(design, signals, settings)
+    model, blocks, solution, numbers, lag = _fit(design, signals, settings, log.name)
     quantile, error = solution.quantile, solution.deviation(model.report)
     values = model.report @ solution.x
     delays = [item.kind == "delay" for item in model.parameters]
@@ -152,10 +152,10 @@ def identify(
 
 
 def _fit(
-    design: Design, signals: Signals, settings: IdentificationSettings
+    design: Design, signals: Signals, settings: IdentificationSettings, log: str = ""
 ) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
-    numbers = block_numbers(signals.t, signals.segment, settings.block_length)
+    numbers = block_numbers(signals.t, signals.segment, settings.block_length, log)
     model, blocks, solution = _fitted(design, signals, settings, numbers)
     lag = 0.0
     for _ in range(DELAY_STEPS if settings.delay else 0):

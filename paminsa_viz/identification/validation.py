@@ -118,13 +118,9 @@ def validate(
         InvalidLog: If the log cannot be used.
     """
     signals, model = _modeled(identification, log, start)
-    own = solve(
-        normal_blocks(
-            model.columns,
-            model.torque,
-            block_numbers(signals.t, signals.segment, identification.settings.block_length),
-        )
-    )
+    length = identification.settings.block_length
+    numbers = block_numbers(signals.t, signals.segment, length, log.name)
+    own = solve(normal_blocks(model.columns, model.torque, numbers))
     predicted = model.columns @ identification.solution.x + model.known
     residual = np.sqrt(((signals.torque - predicted) ** 2).mean(axis=0))
     return Validation(log, signals, predicted, residual, own.noise)
@@ -161,7 +157,8 @@ def weigh_payload(
     payload[10, 1] = 1.0
     offset = np.zeros((*signals.torque.shape, 1))
     offset[:, 3] = 1.0
-    numbers = block_numbers(signals.t, signals.segment, identification.settings.block_length)
+    length = identification.settings.block_length
+    numbers = block_numbers(signals.t, signals.segment, length, log.name)
     fits = []
     for columns in (x @ payload, np.concatenate([x @ payload, offset], axis=-1)):
         fits.append(_step(columns, model, identification.solution, numbers))

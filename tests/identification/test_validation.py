@@ -160,6 +160,19 @@ def test_an_impossible_payload_is_refused(identified: Any) -> None:
             weigh_payload(identified, identified.log, known=known)
 
 
+def test_a_log_that_is_too_short_for_intervals_is_named(identified: Any) -> None:
+    settings = replace(QUICK, block=1e3)
+    log = replace(identified.log, name="loaded")
+    long = replace(identified, settings=settings)
+    for refused in (
+        lambda: identify(APPENDIX_4, log, settings),
+        lambda: validate(long, log),
+        lambda: weigh_payload(long, log),
+    ):
+        with pytest.raises(InvalidLog, match=r"^log loaded: 1 block of 1000 s is left"):
+            refused()
+
+
 def test_a_log_is_predicted_as_by_its_own_identification() -> None:
     """With a load that is known, and rotors that differ."""
     drives = (Drive("a", rotor_inertia=1e-4, gear_ratio=20.0), None, None, None)
