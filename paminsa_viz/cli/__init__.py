@@ -204,7 +204,8 @@ def _run(words: list[str]) -> int:
         try:
             return flags.run()
         except InvalidInput as error:
-            # of a function, whose argument has the flag's value, and may say its unit
-            if flag := given_flag(flags, error.argument.removesuffix("_mm")):
+            # of a function, whose argument has the flag's value, and may say its unit or record
+            name = error.argument.removeprefix("effort.").removesuffix("_mm")
+            if flag := given_flag(flags, name):
                 raise UsageError(f"{flag}: {error.problem}") from error
             raise

@@ -103,8 +103,9 @@ class Accuracy(JsonFlags, RegionFlags, PoseFlags, DesignFlags):
         if self.robots and not self.manufacture:
             raise UsageError("--robots is for --manufacture")
         check_needs(self, self.robots, "--robots", "seed")
-        if self.robots < 0 or self.seed < 0:
-            raise UsageError("--robots and --seed are whole numbers of at least 0")
+        for flag, number in (("--robots", self.robots), ("--seed", self.seed)):
+            if number < 0:
+                raise UsageError(f"{flag}: a whole number of at least 0 is needed, not {number}")
         if self.encoders and self.resolution is not None:
             raise UsageError("--encoders and --resolution exclude each other")
         accuracy = design.accuracy

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import io
+import math
 import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
@@ -141,6 +142,23 @@ def check_needs(flags: Any, allowed: object, needed: str, *names: str) -> None:
     for field in fields(flags):
         if not allowed and field.name in names and getattr(flags, field.name) != field.default:
             raise UsageError(f"--{field.name.replace('_', '-')} needs {needed}")
+
+
+def check_limits(flags: Any, *names: str) -> None:
+    """Refuse limits that are given and not above 0, in the units and by the names of their flags.
+
+    Args:
+        flags: Instance of a command's dataclass.
+        names: Fields of the flags; None is no limit.
+
+    Raises:
+        UsageError: The first of them, and its value.
+    """
+    for name in names:
+        limit = getattr(flags, name)
+        if limit is not None and not (math.isfinite(limit) and limit > 0):
+            flag = f"--{name.replace('_', '-')}"
+            raise UsageError(f"{flag}: a finite limit above 0 is needed, not {limit!r}")
 
 
 def given_flag(flags: Any, name: str) -> str:

@@ -111,13 +111,15 @@ class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
         for bar, joint, start, end, _ in self.rail:
             check_range(f"--rail {bar} {joint}", "mm", (start, end))
         if self.max_imbalance is not None and self.max_imbalance < 0:
-            raise UsageError("--max-imbalance: a size is needed, 0 or more")
+            raise UsageError(f"--max-imbalance {self.max_imbalance:g}: a size is needed, 0 or more")
         limited = self.max_imbalance is not None or self.max_added is not None
         if self.goal == "static" and limited:
             raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
         if self.goal == "static" and (self.preset is not None or self.file is not None):
             raise UsageError("--preset and --file belong to a goal on a motion")
         check_needs(self, self.goal == "static", "--goal static", "criterion")
+        if self.exact and self.max_imbalance is not None:
+            raise UsageError("--exact and --max-imbalance exclude each other")
         check_output("--out", self.out, [".toml"])
 
     def run(self) -> int:

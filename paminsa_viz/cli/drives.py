@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -114,11 +115,15 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
         one = self.preset is not None or self.file is not None or self.dwell != 0
         for wrong, problem in (
             (self.cycle and one, "--cycle excludes --preset, --file and --dwell"),
-            (not 1 <= self.rows <= 1000, "--rows: 1 to 1000 are possible"),
+            (not 1 <= self.rows <= 1000, f"--rows: 1 to 1000 are possible, not {self.rows}"),
             (self.ratios and self.out is not None, "--out excludes --ratios"),
         ):
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz drives --help")
+        for name, count, dwell in self.cycle:
+            if not (1 <= count < math.inf and 0 <= dwell < math.inf):
+                problem = "a count of at least 1 and a time of at least 0 s are needed"
+                raise UsageError(f"--cycle {name} {count:g} {dwell:g}: {problem}")
 
     def _duties(self, geometry: Geometry) -> list[Duty]:
         if not self.cycle:

@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz.actuation import actuator_limits
 from paminsa_viz.blocks.excitation import excitation_blocks, excitation_data
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_limits
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_output
 from paminsa_viz.cli.output import (
     print_began,
@@ -142,10 +142,8 @@ class Excite(JsonFlags, DesignFlags):
             (speed, slice(0, 3), "max_speed"), (speed, slice(3, 4), "max_lift_speed"),
             (np.empty(1), slice(0), "max_condition"),
         ):  # fmt: skip
+            check_limits(self, flag)
             limit = getattr(self, flag)
-            if limit is not None and not (np.isfinite(limit) and limit > 0):
-                name = flag.replace("_", "-")
-                raise UsageError(f"--{name}: a finite limit above 0 is needed, not {limit!r}")
             if limit is not None:
                 values[part] = limit
         if self.clearance is None:

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import tyro
 
-from paminsa_viz.cli.arguments import OrNone, UsageError, command_line
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_limits, command_line
 from paminsa_viz.cli.flags import ComparedDesignFlags, PoseFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_written, write_report
@@ -62,6 +62,7 @@ class Report(MotionFlags, PoseFlags, ComparedDesignFlags):
             raise UsageError("--cross needs --file and --max-torque")
         if self.max_torque is not None and not self.cross:
             raise UsageError("--max-torque belongs to --cross")
+        check_limits(self, "max_torque")
         design = self.given_design()
         pose = self.given_pose(design.geometry)
         if self.cross and self.file is not None:

@@ -156,6 +156,8 @@ def study_of(flags: Sweep, design: Design) -> Study:
     if not flags.vary:
         raise UsageError("--vary is needed, such as --vary links.b3=0.2:0.6:5")
     check_needs(flags, flags.random is not None, "--random", "spread", "seed")
+    if flags.random is not None and flags.random < 1:
+        raise UsageError(f"--random: one design at least is needed, not {flags.random}")
     if not 0 < flags.spread <= 1:
         raise UsageError(f"--spread: a share from 0 to 1 is needed, not {flags.spread:g}")
     region = replace(flags.given_region(design), max_condition=flags.max_condition)

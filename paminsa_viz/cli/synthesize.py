@@ -114,7 +114,11 @@ class AnswerFlags:
         if self.built is not None and self.built < 1:
             raise UsageError(f"--built {self.built}: at least one robot is needed")
         if not 0 <= self.mass_tolerance < PERCENT:
-            raise UsageError("--mass-tolerance: at least 0 % and below 100 % is needed")
+            problem = f"at least 0 % and below 100 % is needed, not {self.mass_tolerance:g}"
+            raise UsageError(f"--mass-tolerance: {problem}")
+        if self.front and len(set(self.front)) < max(2, len(self.front)):
+            problem = "at least two different objectives are needed, each once"
+            raise UsageError(f"--front: {problem}, not {', '.join(self.front)}")
         if self.front and (self.prices or self.built or self.mujoco or self.conflict):
             raise UsageError("--front excludes --prices, --built, --mujoco and --conflict")
 

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from paminsa_viz.cli.arguments import OrNone, UsageError
+from paminsa_viz.cli.arguments import OrNone, UsageError, check_limits
 from paminsa_viz.cli.flags import NEEDS_FIGURE, ComparedDesignFlags, FilesFlags, check_output
 from paminsa_viz.cli.motion_flags import MotionFlags
 from paminsa_viz.cli.output import print_error, print_failure, print_json
@@ -122,7 +122,12 @@ class LimitFlags:
 
     @property
     def limits(self) -> MotionLimits:
-        """The limits, in SI units."""
+        """The limits, in SI units.
+
+        Raises:
+            UsageError: If one is not above 0.
+        """
+        check_limits(self, *self.given_limits)
         given = {name.removeprefix("max_"): value for name, value in self.given_limits.items()}
         turns = {name: math.radians(value) for name, value in given.items() if "turn" in name}
         return MotionLimits(**given | turns)
@@ -238,7 +243,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             ),
             (
                 not 0 <= self.bandwidth <= MOST_BANDWIDTH,
-                f"--bandwidth: 0 to {MOST_BANDWIDTH:g} Hz are possible",
+                f"--bandwidth: 0 to {MOST_BANDWIDTH:g} Hz are possible, not {self.bandwidth:g}",
             ),
             (
                 any(value > MOST_LIMIT for value in limits.values()),

@@ -113,11 +113,13 @@ def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
         InvalidInput: If one of them is not possible; names the possible range.
     """
     chosen = figure_format(name)
-    if not WIDTHS[0] <= width_mm <= WIDTHS[1]:
-        raise InvalidInput("width_mm", f"{WIDTHS[0]:g} to {WIDTHS[1]:g} mm are possible")
-    if not RESOLUTIONS[0] <= dpi <= RESOLUTIONS[1]:
-        low, high = RESOLUTIONS
-        raise InvalidInput("dpi", f"{low:g} to {high:g} pixels per inch are possible")
+    for argument, value, (low, high), unit in (
+        ("width_mm", width_mm, WIDTHS, "mm"),
+        ("dpi", dpi, RESOLUTIONS, "pixels per inch"),
+    ):
+        if not low <= value <= high:
+            problem = f"{low:g} to {high:g} {unit} are possible, not {value:g}"
+            raise InvalidInput(argument, problem)
     if chosen.pixels and width_mm / INCH * dpi > MOST_PIXELS:
         raise InvalidInput("dpi", f"the figure would be more than {MOST_PIXELS:,} pixels wide")
     return chosen

@@ -331,9 +331,8 @@ def monte_carlo(
     flat = pose.reshape(-1, 4)
     if robots < 1 or robots * len(flat) > MOST_SAMPLES:
         most = MOST_SAMPLES // max(len(flat), 1)
-        raise InvalidInput(
-            "robots", f"1 to {most:,} are possible with {counted(len(flat), 'pose')}"
-        )
+        poses = counted(len(flat), "pose")
+        raise InvalidInput("robots", f"1 to {most:,} are possible with {poses}, not {robots:,}")
     require_seed(seed)
     geometry, center = design.geometry, design_lengths(design)
     start = solve_actuators(geometry, center, flat)

@@ -90,7 +90,7 @@ def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
         (("--catalog", "none.csv"), "none.csv"),
         (("--catalog", "bad.csv"), "bad.csv, row 2, column rotor_inertia_kg_cm2"),
         (("--cycle", "ellipse", "1", "0"), "--cycle ellipse"),
-        (("--cycle", "arch", "0", "0"), "repeats"),
+        (("--cycle", "arch", "0", "0"), "--cycle arch 0 0: a count of at least 1"),
         (("--cycle", "arch", "1", "0", "--preset", "arch"), "--cycle excludes"),
         (("--dwell", "-1"), "dwell"),
         (("--inertia-ratio", "0"), "viz: --inertia-ratio: a"),

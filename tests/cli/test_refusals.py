@@ -36,6 +36,9 @@ trajectory --preset Circle                          | 'Circle'; did you mean cir
 trajectory --preset spiral                          | there are arch, circle, line,
 map --quantity max_torque                           | did you mean max-torque?
 drives --cycle arch x 1                             | a name and 2 numbers are needed
+drives --cycle arch 2 nan                           | --cycle arch 2 nan: a count of at least 1
+drives --rows 0                                     | --rows: 1 to 1000 are possible, not 0
+map --dpi 9 --out a.png                             | 20 to 2400 pixels per inch are possible, not 9
 start --pages 0                                     | viz: --pages: 0 is not from 1 to 1000
 synthesize cylinder --seed -1                       | seed: a whole number of at least 0
 clearance --poses 9 --z -300 -900                   | --z -300 -900: the first number has to be at
@@ -83,11 +86,15 @@ map --range 1 2 --out a.csv                         | --range needs --out with .
 map --full-range                                    | --full-range needs --out with .png
 map --own-ranges                                    | --own-ranges needs --out with .png
 map --dpi 90                                        | --dpi needs --out with .png
-map --width 5 --out a.png                           | --width: 50 to 1000 mm
+map --width 5 --out a.png                           | --width: 50 to 1000 mm are possible, not 5
 trajectory --width 90 --out a.html                  | --width needs --out with .png
 sweep --out a.csv --vary links.b3=1 --spread 0.3    | --spread needs --random
 sweep --out a.csv --vary links.b3=1 --seed 3        | --seed needs --random
+sweep --out a.csv --vary links.b3 --random 0        | --random: one design at least is needed, not 0
 synthesize cylinder --points 4                      | --points needs --front
+synthesize cylinder --generations 0                 | --generations: 1 to 100000 is possible, not 0
+synthesize cylinder --front footprint --front footprint | --front: at least two different
+synthesize cylinder --built 9 --mass-tolerance 100  | and below 100 % is needed, not 100
 synthesize cylinder --mass-tolerance 3              | --mass-tolerance needs --built
 synthesize cylinder --front mass --front footprint --prove 3 | --front excludes --prove
 verify --format svg                                 | --format needs --figures
@@ -107,7 +114,8 @@ balance --rail b3 7 0 100 1e20                      | --rail 1e+20: at most 1000
 balance --change links.b3 0 1e308                   | --change 1e+308: at most 10000 kg
 balance --goal peak --max-added nan                 | --max-added nan: at most
 balance --goal peak --max-imbalance inf             | --max-imbalance inf: at most
-balance --goal peak --max-imbalance -1              | --max-imbalance
+balance --goal peak --max-imbalance -1              | --max-imbalance -1: a size is
+balance --goal peak --exact --max-imbalance 2       | --exact and --max-imbalance exclude each other
 balance --max-added 3                               | belong to a goal on a motion
 balance --preset arch                               | belong to a goal on a motion
 balance --goal peak --preset arch --file a.csv      | --preset and --file exclude each other
@@ -129,6 +137,7 @@ report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph i
 report --out r.html --cross                          | --cross needs --file and --max-torque
 report --out r.html --preset line --file a.csv      | --preset and --file exclude each other
 report --out r.html --max-torque 3                  | --max-torque belongs to --cross
+report --out r.html --cross --file a.csv --max-torque -3 | --max-torque: a finite
 report --out no/r.html                              | cannot be written: its folder does not exist
 accuracy --encoders                                 | no drive of the design has encoder_counts
 accuracy --encoders --resolution 0.1 1              | exclude each other
@@ -136,8 +145,9 @@ accuracy --resolution -1 1                          | --resolution: 0 to 57.2 de
 accuracy --pose 0 0 0 -2000                         | cannot be taken
 accuracy --radius -5                                | radius
 accuracy --robots 5                                 | --robots is for --manufacture
-accuracy --manufacture --robots -1                  | whole numbers of at least 0
-accuracy --manufacture --robots 2000000             | 1 to 1,000,000 are possible
+accuracy --manufacture --robots -1                  | --robots: a whole number of at
+accuracy --manufacture --robots 1 --seed -1         | --seed: a whole number of at
+accuracy --manufacture --robots 2000000             | with 1 pose, not 2,000,000
 clearance --poses -1                                | --poses
 clearance --pose 900 0 0 -500                       | x 900 mm
 excite --max-torque -1                              | --max-torque
@@ -174,7 +184,6 @@ sweep --out a.csv --vary links.b3=1e9               | at most 10000
 sweep --out a.csv --vary links.b3=1 --vary links.b3=2 | varies twice
 sweep --out a.csv --vary links.b3=1:2:3 --random 5  | links.b3=LOW:HIGH
 sweep --out a.csv --vary payload.mass --random 5    | payload.mass
-sweep --out a.csv --vary links.b3 --random 0        | size
 sweep --out a.csv --vary links.b3 --random 5 --seed -1 | seed
 sweep --out a.csv --vary links.b3 --random 5 --spread 2 | --spread
 sweep --out a.csv --vary links.b3 --random 2000000000 | too many
@@ -199,13 +208,15 @@ trajectory --published a.csv --figure pose --out a.png | --published
 trajectory --shortest --max-speed -1                | speed
 trajectory --shortest --max-speed 1 --duration 2    | --duration
 trajectory --shortest --max-torque 1e308            | --max-torque: at most 1e+09
+trajectory --shortest --max-turn-speed -1           | --max-turn-speed: a finite limit above 0 is
+trajectory --stretch --max-jerk nan                 | --max-jerk: a finite limit above 0 is
 trajectory --duration 0                             | duration
 trajectory --rate nan                               | rate
 trajectory --rate 1e9                               | rate
 trajectory --payload-mismatch 1                     | --simulate
 trajectory --simulate pd --payload-mismatch -0.5    | --payload-mismatch -0.5 makes
 trajectory --simulate pd --payload-mismatch 1e308   | --payload-mismatch 1e+308 makes
-trajectory --simulate pd --bandwidth -1             | bandwidth
+trajectory --simulate pd --bandwidth -1             | --bandwidth: 0 to 1000 Hz are possible, not -1
 trajectory --simulate pd --bandwidth 1e20           | --bandwidth: 0 to 1000 Hz
 trajectory --figure tracking --out a.png            | --simulate
 trajectory --figure comparison --out a.png          | --engine
