@@ -119,6 +119,12 @@ def require_range(low: Any, high: Any, argument: str) -> None:
         raise InvalidInput(argument, problem)
 
 
+def require_share(value: Any, argument: str) -> None:
+    """Raise `InvalidInput` unless a value is a number from 0 to 1."""
+    if not (_is_number(value) and 0 <= value <= 1):
+        raise InvalidInput(argument, f"a number from 0 to 1 is needed, not {value!r:.60}")
+
+
 def require_seed(value: Any) -> None:
     """Raise `InvalidInput` unless a value can be the seed of random numbers."""
     whole = _is_number(value) and isinstance(value, int | np.integer)

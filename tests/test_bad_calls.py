@@ -52,7 +52,7 @@ from paminsa_viz.quantities import (
     find,
     parse_requirement,
 )
-from paminsa_viz.studies import sweep
+from paminsa_viz.studies import DesignRange, sweep
 from paminsa_viz.synthesis import find_objective
 from paminsa_viz.trajectory import (
     PRESET,
@@ -275,6 +275,7 @@ NAMED: dict[str, Any] = {
     "measure": lambda: fit_springs(APPENDIX_4, GOOD["places"], POSE[None], measure=NO_NAME),
     "mass": lambda: tornado(APPENDIX_4, FIELD.grid, paths=(NO_NAME,)),
     "value": lambda: APPENDIX_4.value(NO_NAME),
+    "section": lambda: APPENDIX_4.elastic.section(NO_NAME),
     "changed value": lambda: APPENDIX_4.vary({NO_NAME: 1.0}),
     "coordinate": lambda: Grid.over(POSE, **{NO_NAME: [0.0, 1.0]}),
     "plane": lambda: circle(POSE, 0.05, plane=NO_NAME),
@@ -326,7 +327,36 @@ WRONG_KINDS = {
     "duration: a number": lambda: PRESET["arch"].build(APPENDIX_4).lasting("1"),  # type: ignore[arg-type]
     "geometry: a Geometry or a Design": lambda: PRESET["arch"].build("a"),  # type: ignore[arg-type]
     "changes: a Mapping": lambda: APPENDIX_4.vary(None),  # type: ignore[arg-type]
+    "path: a str": lambda: APPENDIX_4.value(3),  # type: ignore[arg-type]
+    "path: a str is needed, not an int": lambda: APPENDIX_4.stored(3),  # type: ignore[arg-type]
+    "bar: one of": lambda: APPENDIX_4.elastic.section([]),  # type: ignore[arg-type]
+    "design: a Design": lambda: FIELD.load_torques(APPENDIX_4.geometry),  # type: ignore[arg-type]
+    "design: a Design is needed": lambda: find(("f_4",))[0].over(FIELD, None),  # type: ignore[arg-type]
+    "field: a Field": lambda: find(("condition",))[0].over(APPENDIX_4, APPENDIX_4),  # type: ignore[arg-type]
+    "moment: a number": lambda: actuation.wrench_polytope(APPENDIX_4, POSE).section("1"),  # type: ignore[arg-type]
+    "spread: a number": lambda: DesignRange.around(APPENDIX_4, "links.b3", None),  # type: ignore[arg-type]
+    "values: real numbers": lambda: Requirement("condition", high=10.0).margin("x"),
+    "shift: the last axis": lambda: MOTION.moved(POSE[:3]),
+    "shift: one pose": lambda: MOTION.moved(np.zeros((MOTION.t.size, 4))),
 }
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "torques",
+        "drive_inertia_torque",
+        "loaded",
+        "load_torques",
+        "load_force",
+        "friction",
+        "breakdown",
+    ],
+)
+def test_a_solved_motion_takes_designs_alone(name: str) -> None:
+    solved = solve_trajectory(APPENDIX_4, MOTION)
+    with pytest.raises(InvalidInput, match="design: a Design is needed, not a Geometry"):
+        getattr(solved, name)(APPENDIX_4.geometry)
 
 
 @pytest.mark.parametrize("what", WRONG_KINDS)
@@ -392,6 +422,14 @@ IMPOSSIBLE: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "stiffness: a stiffness of at least 0": (
         lambda value: Spring(at_joint(4), on_slider(0.1), value),
         (NAN, INFINITE, -1.0, "a", None),
+    ),
+    "share: a number from 0 to 1": (
+        lambda value: precision.monte_carlo(APPENDIX_4, POSE, robots=2).quantile(value),
+        (NAN, -0.1, 95, "a", None),
+    ),
+    "part: a number from 0 to 1": (
+        lambda value: balancing.length_tolerance(APPENDIX_4, 0.01, POSE, samples=2).quantile(value),
+        (NAN, -0.1, 95, "a", None),
     ),
     "free_length: a length of at least 0": (
         lambda value: Spring(at_joint(4), on_slider(0.1), 1.0, value),

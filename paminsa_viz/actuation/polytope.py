@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_pose
@@ -76,6 +77,7 @@ class WrenchPolytope:
         """Index of the face nearest to zero in (F_x, F_y, M_z / L), as `faces`."""
         return int(np.argmin(self.normals[1]))
 
+    @kinds_checked
     def section(self, moment: float = 0.0) -> Array:
         """Return the force polygon at one M_z [N m]: corners (F_x, F_y), (n, 2), in order [N].
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.checks import require_seed
+from paminsa_viz.checks import require_seed, require_share
 from paminsa_viz.errors import InvalidDesign, InvalidInput, name_hint
 from paminsa_viz.model.arguments import of_design
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
@@ -134,7 +134,12 @@ class LengthTolerance:
     impossible: int
 
     def quantile(self, part: float) -> float:
-        """Return the peak torque that a part of the samples does not exceed [N m]."""
+        """Return the peak torque that a part of the samples does not exceed [N m].
+
+        Raises:
+            InvalidInput: If the part is not from 0 to 1.
+        """
+        require_share(part, "part")
         return float(np.quantile(self.peaks, part))
 
 

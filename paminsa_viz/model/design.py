@@ -146,6 +146,7 @@ class Design(Group, path="design"):
 
     def _owner(self, path: str) -> tuple[Any, str]:
         """Return the group that holds a number, and the number's name in it."""
+        require_kind(path, "path", str)
         group, _, name = path.rpartition(".")
         owner = self._group(group)
         if name not in _numbers_of(type(owner)):

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, make_dataclass
 from typing import Any, NamedTuple
 
-from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.parameters import Group, parameter
 
 TUBES = {
@@ -128,7 +128,13 @@ class Elastic(_WithBars):
         return self.young_modulus / (2 * self.shear_modulus) - 1
 
     def section(self, bar: str) -> BeamSection:
-        """Return the section of a bar of `BARS`: what is given, and the tube's for the rest."""
+        """Return the section of a bar of `BARS`: what is given, and the tube's for the rest.
+
+        Raises:
+            InvalidInput: If there is no such bar.
+        """
+        if not (isinstance(bar, str) and bar in BARS):
+            raise InvalidInput("bar", f"one of {', '.join(BARS)} is needed, not {bar!r:.60}")
         outer, inner = getattr(self, f"{bar}_outer"), getattr(self, f"{bar}_inner")
         given = (getattr(self, f"{bar}_{name}") for name in SECTION_VALUES)
         tube = tube_section(outer, inner, self.poisson)

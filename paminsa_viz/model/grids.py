@@ -203,6 +203,7 @@ class Field(OfLimits):
         torque[3] += lift_constant(design)
         return torque + self.load_torques(design) if design.load.acts else torque
 
+    @kinds_checked
     def load_torques(self, design: Design) -> Array:
         """Return what the actuators need against the design's load, (4, ...) [N m, N]."""
         against = np.empty((4, *self.status.shape))

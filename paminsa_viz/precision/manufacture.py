@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.checks import require_seed
+from paminsa_viz.checks import require_seed, require_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.kept import kept
 from paminsa_viz.model.accuracy import NO_TOLERANCES, Tolerances
@@ -296,7 +296,11 @@ class MonteCarlo(WithStatus):
         """Return the sizes of errors that a share of the robots does not exceed, (..., 6).
 
         A robot without a solution counts as an infinite error.
+
+        Raises:
+            InvalidInput: If the share is not from 0 to 1.
         """
+        require_share(share, "share")
         sizes = np.where(np.isnan(self.errors), np.inf, np.abs(self.errors))
         return np.quantile(sizes, share, axis=0, method="inverted_cdf")
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design
@@ -77,6 +78,7 @@ class Quantity:
         """The unit for display."""
         return display_unit(self.unit)
 
+    @kinds_checked
     def over(self, field: Field, design: Design) -> Array:
         """Return the values over a solved grid (...) for a design; NaN where there are none."""
         if self.value is None:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.checks import check_fields, require_each
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.workspace_shapes import WorkspaceShape
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.registry import find
@@ -66,8 +66,12 @@ class Requirement:
         return min((abs(limit) for limit in (self.low, self.high) if limit), default=1.0)
 
     def margin(self, values: ArrayLike) -> Array:
-        """Return how far values are inside the bounds, negative outside (...) [SI]; NaN of NaN."""
-        values = np.asarray(values, np.float64)
+        """Return how far values are inside the bounds, negative outside (...) [SI]; NaN of NaN.
+
+        Raises:
+            InvalidInput: If the values are no real numbers.
+        """
+        values = as_numbers(values, "values")
         above = values - self.low if self.low is not None else None
         below = self.high - values if self.high is not None else None
         sides = [side for side in (above, below) if side is not None]

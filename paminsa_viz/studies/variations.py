@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.checks import require_range, require_seed
+from paminsa_viz.checks import kinds_checked, require_range, require_seed
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import PARAMETER, Design, no_value
 from paminsa_viz.units import counted
@@ -67,6 +67,7 @@ class DesignRange:
         return f"{self.low!r} to {self.high!r}"
 
     @classmethod
+    @kinds_checked
     def around(cls, design: Design, path: str, spread: float) -> DesignRange:
         """Return the range of a design's own value, less and more by a share ``spread`` of it.
 

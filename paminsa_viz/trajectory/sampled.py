@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.checks import require_positive
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array, as_numbers, own_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_pose, own_vectors
 from paminsa_viz.trajectory.plant import hermite
 from paminsa_viz.units import rounded_to_side
 
@@ -202,7 +202,12 @@ class Trajectory:
         return replace(self, t=t, **self.at(t)._asdict(), load=self.load_at(t))
 
     def moved(self, shift: Array) -> Trajectory:
-        """Return the motion with its poses moved by (4,) [m, m, rad, m]."""
+        """Return the motion with its poses moved by (4,) [m, m, rad, m].
+
+        Raises:
+            InvalidInput: If the shift has another shape or is not of numbers.
+        """
+        shift = as_pose(shift, "shift")
         passages = tuple(
             Passage(t, locus, states and states._replace(pose=states.pose + shift))
             for t, locus, states in self.passages

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.checks import kinds_checked
 from paminsa_viz.model.arguments import geometry_of, of_geometry
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
@@ -52,6 +53,7 @@ class SolvedTrajectory:
     y: Array
     speed: Array
 
+    @kinds_checked
     def torques(self, design: Design, *, friction: bool = True) -> Array:
         """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
         torque = self._mass_torques(design)
@@ -71,6 +73,7 @@ class SolvedTrajectory:
             torque += self.drive_inertia_torque(design)
         return torque
 
+    @kinds_checked
     def drive_inertia_torque(self, design: Design) -> Array:
         """Return what accelerates the drives' own inertia, (n, 4) [N m, N]."""
         return np.array(design.drive_inertia) * self.actuator_acceleration
@@ -83,10 +86,12 @@ class SolvedTrajectory:
         found[~self.check.ok] = np.nan
         return found
 
+    @kinds_checked
     def loaded(self, design: Design) -> bool:
         """Whether a load acts on the platform: the design's or the motion's own."""
         return design.load.acts or self.trajectory.load is not None
 
+    @kinds_checked
     def load_torques(self, design: Design) -> Array:
         """Return what the actuators need against the load, (n, 4) [N m, N]."""
         w = self.load_force(design)
@@ -94,6 +99,7 @@ class SolvedTrajectory:
         torque[~self.check.ok] = np.nan
         return torque
 
+    @kinds_checked
     def load_force(self, design: Design) -> Array:
         """Return the load's force in the coordinates (x, y, theta, z), (n, 4) [N, N, N m, N]."""
         t = self.trajectory
@@ -104,6 +110,7 @@ class SolvedTrajectory:
         """J along the motion, (n, 4, 4); solved for the first load and kept."""
         return jacobian(self.geometry, self.trajectory.pose)
 
+    @kinds_checked
     def friction(self, design: Design) -> Array:
         """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
         friction = design.actuator_friction
@@ -129,6 +136,7 @@ class SolvedTrajectory:
         y[~self.check.ok] = np.nan
         return y
 
+    @kinds_checked
     def breakdown(self, design: Design) -> TorqueBreakdown:
         """Return the torques' parts for a design of this geometry, each (n, 4) [N m, N].
 
