@@ -139,7 +139,8 @@ class Information:
         drawn[:, 0] += self.family.center
         x = base_regressor(self._geometry, drawn[:, 0], drawn[:, 1], drawn[:, 2])
         x = x[np.isfinite(x).all(axis=(1, 2))].reshape(-1, x.shape[-1])
-        return SELECTION / np.maximum(np.sqrt((x**2).mean(axis=0)), 1e-12)
+        # a robot that hardly reaches anything may have none of them
+        return SELECTION / np.maximum(np.sqrt((x**2).sum(axis=0) / max(len(x), 1)), 1e-12)
 
     def states(self, variables: Array) -> Array:
         """Return poses and rates of a period for variables (..., size), (..., samples, 12)."""

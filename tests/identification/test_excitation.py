@@ -341,6 +341,10 @@ def test_impossible_searches_are_refused() -> None:
     weak = limits_of(ROBOT)._replace(torque=np.array([20.0, 20.0, 20.0, 50.0]))
     with pytest.raises(NoExcitation, match="force of M4 is beyond its limit"):
         optimize_excitation(ROBOT, weak, ExcitationSettings(random=12))
+    # bars that just meet at the center: no other pose can be taken
+    stretched = replace(APPENDIX_4, geometry=replace(APPENDIX_4.geometry, base_radius=0.8 - 1e-9))
+    with pytest.raises(NoExcitation, match="no motion about home keeps the limits"):
+        optimize_excitation(stretched, limits_of(ROBOT), ExcitationSettings(random=12))
 
 
 def test_each_limit_that_home_exceeds_is_named() -> None:
