@@ -23,7 +23,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kind_of(value: object) -> str:
-    """Return the type of a value that is refused, with its article."""
+    """Return the type of a value that is refused, with its article; None is none."""
+    if value is None:
+        return "None"
     name = type(value).__name__
     return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
 

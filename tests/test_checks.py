@@ -98,7 +98,7 @@ def test_what_fits_goes_through(args: tuple[Any, ...], named: dict[str, Any]) ->
     ("args", "named", "message"),
     [
         ((1,), {}, "color: a Color is needed, not an int"),
-        ((), {"color": None}, "color: a Color is needed, not a NoneType"),
+        ((), {"color": None}, "color: a Color is needed, not None"),
         ((Color.RED, "1"), {}, "size: a number is needed, not a str"),
         ((Color.RED, np.zeros(2)), {}, "size: a number is needed, not a ndarray"),
         ((Color.RED, True), {}, "size: a number is needed, not a bool"),

@@ -78,7 +78,7 @@ def _of_objects(array: NDArray[Any]) -> str:
         return "text: array.astype(float) makes numbers of it"
     for value in array.flat:
         if not isinstance(value, int | float | np.number):
-            return type(value).__name__
+            return "None" if value is None else type(value).__name__
     return "objects: array.astype(float) makes them numbers"
 
 

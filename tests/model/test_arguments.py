@@ -158,8 +158,8 @@ def test_a_design_is_taken_wherever_a_geometry_is_with_the_same_result() -> None
     [
         ([0.0, 0.0, 0.0], r"^pose: .* 4 entries; the shape is \(3,\)$"),
         (["a", "b", "c", "d"], r"^pose: real numbers are needed, not text: array.astype"),
-        (None, r"^pose: real numbers are needed, not NoneType$"),
-        ([0.0, None, 0.0, 0.0], r"^pose: real numbers are needed, not NoneType$"),
+        (None, r"^pose: real numbers are needed, not None$"),
+        ([0.0, None, 0.0, 0.0], r"^pose: real numbers are needed, not None$"),
         (np.zeros(4, object), r"^pose: real numbers are needed, not objects: array.astype"),
         ([0.0, 0.0, 0.0, 1j], r"^pose: real numbers are needed, not complex128$"),
     ],
